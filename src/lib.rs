@@ -16,6 +16,8 @@ pub mod instrument;
 pub mod integrate;
 pub mod magnet;
 pub mod measurement;
+pub mod note;
+pub mod numeric;
 pub mod quantity;
 pub mod recording;
 pub mod report;

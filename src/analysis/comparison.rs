@@ -15,8 +15,8 @@
 
 use super::gate::Gate;
 use super::least_squares::squares;
+use super::spectrum::Window;
 use super::spectrum::{Analyser, SpectrumSettings};
-use super::window::Window;
 use crate::quantity::Uncertain;
 use crate::trace::Trace;
 

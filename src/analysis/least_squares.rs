@@ -8,7 +8,7 @@
 //! for Non-Linear Least Squares Problems", DTU (2004), Algorithm 3.16, for the damping. Valid for residuals that are smooth in the
 //! parameters; finds the minimum of the valley it starts in.
 
-use super::linear::{Undetermined, inverse_of_gram, solve};
+use crate::numeric::linear::{Undetermined, inverse_of_gram, solve};
 
 /// First damping, relative to the diagonal (1).
 const FIRST_DAMPING: f64 = 1e-3;

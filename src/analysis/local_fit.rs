@@ -8,6 +8,8 @@
 
 use std::ops::Range;
 
+use crate::numeric::linear::inverse;
+use crate::numeric::roots::root;
 use crate::trace::Trace;
 
 /// How far beyond the samples a place may lie that they tell of, in their half-width (1).
@@ -46,7 +48,7 @@ impl LocalFit {
                 }
             }
         }
-        let covariance = inverse(normal)?;
+        let covariance = inverse(&normal).ok()?;
         let coefficients = covariance.iter().map(|row| dot(row, &right)).collect();
         Some(Self { centre, scale, coefficients, covariance })
     }
@@ -107,22 +109,10 @@ pub(super) fn nearest_fall(f: &dyn Fn(f64) -> f64) -> Option<f64> {
     let edges = (0..SIGN_SEARCH_PARTS).map(|look| width * f64::from(look) - MAX_EXTRAPOLATION);
     let falls = edges.filter_map(|low| {
         let high = low + width;
-        (f(low) > 0.0 && f(high) <= 0.0).then(|| bisect(f, low, high))
+        let ends = [f(low), f(high)];
+        (ends[0] > 0.0 && ends[1] <= 0.0).then(|| root(f, [low, high], ends))
     });
     falls.min_by(|a, b| a.abs().total_cmp(&b.abs()))
-}
-
-/// Where `f` falls through zero between `low` and `high`, to the last bit but some.
-fn bisect(f: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
-    for _ in 0..50 {
-        let middle = 0.5 * (low + high);
-        if f(middle) > 0.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    0.5 * (low + high)
 }
 
 fn powers(x: f64, size: usize) -> Vec<f64> {
@@ -143,35 +133,6 @@ fn slopes(x: f64, size: usize) -> Vec<f64> {
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
-}
-
-/// Inverse of a small, symmetric, positive definite matrix by Gauss and Jordan; none if it is singular.
-fn inverse(mut matrix: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
-    let size = matrix.len();
-    for (index, row) in matrix.iter_mut().enumerate() {
-        row.extend((0..size).map(|column| if column == index { 1.0 } else { 0.0 }));
-    }
-    for column in 0..size {
-        let mut pivot_row = matrix.get(column)?.clone();
-        let pivot = *pivot_row.get(column)?;
-        if pivot.abs() < f64::MIN_POSITIVE {
-            return None;
-        }
-        for entry in &mut pivot_row {
-            *entry /= pivot;
-        }
-        for (index, row) in matrix.iter_mut().enumerate() {
-            if index == column {
-                row.clone_from(&pivot_row);
-                continue;
-            }
-            let factor = *row.get(column)?;
-            for (entry, p) in row.iter_mut().zip(&pivot_row) {
-                *entry -= factor * p;
-            }
-        }
-    }
-    Some(matrix.into_iter().map(|row| row.into_iter().skip(size).collect()).collect())
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 //! far below the values; amplitudes of one line must come from hosts of one kind, since a plate in a steel cylinder feels
 //! 0.69 of what one in a PTFE sphere feels of the same pulse.
 
+use crate::numeric::statistics::StraightLine;
 use crate::quantity::Uncertain;
 
 /// Speed over `distance` (m) between two arrivals (s), in m/s; none where the second is not later or earlier than the first.
@@ -26,27 +27,15 @@ pub fn speed_over(distance: Uncertain, time: Uncertain) -> Option<Uncertain> {
 /// Decay constant `g` of amplitudes at their positions (m), in 1/m, positive where they fall; none for fewer than two positions or
 /// amplitudes that are not positive.
 pub fn decay(amplitudes: &[(f64, Uncertain)]) -> Option<Uncertain> {
-    let (mut s, mut sx, mut sy) = (0.0, 0.0, 0.0);
+    if amplitudes.iter().any(|(_, amplitude)| amplitude.value <= 0.0) {
+        return None;
+    }
     let certain = amplitudes.iter().any(|(_, a)| a.u <= 0.0);
-    let weight = |a: &Uncertain| {
-        if certain { 1.0 } else { (a.value / a.u).powi(2) }
-    };
-    for (x, a) in amplitudes {
-        if a.value <= 0.0 {
-            return None;
-        }
-        let w = weight(a);
-        s += w;
-        sx += w * x;
-        sy += w * a.value.ln();
-    }
-    let (mut sxx, mut sxy) = (0.0, 0.0);
-    for (x, a) in amplitudes {
-        let off = x - sx / s;
-        sxx += weight(a) * off * off;
-        sxy += weight(a) * off * (a.value.ln() - sy / s);
-    }
-    let standard_uncertainty = if certain { 0.0 } else { 1.0 / sxx.sqrt() };
-    let found = Uncertain { value: -sxy / sxx, u: standard_uncertainty };
+    let weight = |a: &Uncertain| if certain { 1.0 } else { (a.value / a.u).powi(2) };
+    let points: Vec<(f64, f64, f64)> =
+        amplitudes.iter().map(|(x, a)| (*x, a.value.ln(), weight(a))).collect();
+    let line = StraightLine::through(&points);
+    let standard_uncertainty = if certain { 0.0 } else { 1.0 / line.spread.sqrt() };
+    let found = Uncertain { value: -line.slope, u: standard_uncertainty };
     found.value.is_finite().then_some(found)
 }

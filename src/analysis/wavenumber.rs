@@ -12,7 +12,7 @@ use std::f64::consts::{PI, TAU};
 use realfft::RealFftPlanner;
 use rustfft::num_complex::Complex;
 
-use super::window::Window;
+use super::spectrum::Window;
 
 /// Phases looked at, in cells.
 const PADDING: usize = 8;

@@ -12,6 +12,7 @@ use super::signal::time;
 use crate::analysis::gate::Gate;
 use crate::analysis::wavenumber::spectral_lines;
 use crate::measurement::metadata;
+use crate::recording::TrueSignal;
 use crate::report::dispersion::DispersionPage;
 use crate::scene::Site;
 use crate::trace::Trace;
@@ -130,10 +131,7 @@ fn page(arguments: &Arguments) -> anyhow::Result<DispersionPage> {
         from: arguments.from.unwrap_or(f64::NEG_INFINITY),
         to: arguments.to.unwrap_or(f64::INFINITY),
     };
-    let row = |contact: &usize| {
-        let topic = format!("contact/{contact}:");
-        shot.truth.iter().find(|trace| trace.name.starts_with(&topic))
-    };
+    let row = |contact: &usize| shot.true_signal(&TrueSignal::Contact(*contact));
     let Some(traces) = contacts.iter().map(row).collect::<Option<Vec<_>>>() else {
         bail!(
             "found no forces of all contacts in shot {}, expected /truth/contact/...",

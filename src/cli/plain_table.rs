@@ -6,7 +6,7 @@ use anyhow::bail;
 
 use crate::measurement::force::forces;
 use crate::quantity::engineering;
-use crate::recording::{Shot, TraceSet};
+use crate::recording::{Shot, TraceSet, TrueSignal};
 use crate::trace::Trace;
 
 /// Digits that a number is printed with at most: far below a digitiser's level and a picosecond of a record.
@@ -130,11 +130,10 @@ fn truth(shot: &Shot, axis: &Trace) -> anyhow::Result<Vec<TableColumn>> {
     let Some(trigger) = shot.trigger_time else {
         bail!("shot {} holds no truth: only simulations do", shot.number);
     };
-    let sensors = shot.truth.iter().filter_map(|trace| {
-        let topic = trace.name.trim_start_matches("/truth/");
-        let topic = topic.split_once(": ").map_or(topic, |(topic, _)| topic);
-        Some((topic.strip_prefix("sensor/")?.to_owned(), trace))
-    });
+    let sensors = shot
+        .truth
+        .iter()
+        .filter_map(|trace| Some((TrueSignal::of(trace)?.sensor()?.to_owned(), trace)));
     let columns = sensors.map(|(name, trace)| {
         let at = |index: usize| interpolated(trace, axis.time(index) + trigger);
         let values = (0..axis.values.len()).map(at).collect();

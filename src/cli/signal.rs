@@ -7,10 +7,11 @@ use clap::{Args, ValueEnum};
 
 use super::input::{BenchArguments, TableArguments};
 use crate::analysis::gate::Gate;
-use crate::analysis::window::Window;
+use crate::analysis::spectrum::Window;
 use crate::measurement::metadata;
 use crate::quantity::{Dimension, parse};
-use crate::recording::{Shot, TraceSet};
+use crate::recording::true_signal::topic;
+use crate::recording::{Shot, TraceSet, TrueSignal};
 use crate::scene::Site;
 use crate::trace::Trace;
 
@@ -149,21 +150,16 @@ fn capture(set: &TraceSet, shot: &Shot, channel: Option<&str>) -> anyhow::Result
 /// The truth called `name`, in full, by its topic, or a sensor's by the sensor's name. What it starts from is its static part.
 fn truth(set: &TraceSet, shot: &Shot, name: &str) -> anyhow::Result<SelectedSignal> {
     let name = name.trim_start_matches("/truth/");
-    let topic = |trace: &Trace| {
-        trace.name.split_once(": ").map_or(&*trace.name, |(topic, _)| topic).to_owned()
-    };
-    let sensor_topic = format!("sensor/{name}");
+    let of_sensor = |trace: &Trace| TrueSignal::of(trace)?.sensor().map(str::to_owned);
     let found = shot.truth.iter().find(|trace| {
-        let topic = topic(trace);
-        topic == name || topic == sensor_topic || trace.name == name
+        topic(trace) == name || trace.name == name || of_sensor(trace).as_deref() == Some(name)
     });
     let Some(trace) = found else {
-        let names: Vec<String> = shot.truth.iter().map(topic).collect();
+        let names: Vec<&str> = shot.truth.iter().map(topic).collect();
         bail!("found no truth `{name}`, expected one of: {}", names.join(", "));
     };
     let sensors = metadata::sensors_of(set, shot.number);
-    let topic = topic(trace);
-    let sensor = sensors.iter().find(|s| Some(s.name.as_str()) == topic.strip_prefix("sensor/"));
+    let sensor = of_sensor(trace).and_then(|name| sensors.iter().find(|s| s.name == name));
     let offset = trace.values.first().copied().unwrap_or(0.0);
     Ok((trace.clone(), sensor.and_then(crate::measurement::metadata::RecordedSensor::site), offset))
 }

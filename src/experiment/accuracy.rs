@@ -4,13 +4,14 @@ use std::cell::{Cell, LazyCell};
 use std::time::Instant;
 
 use super::comparison::{level_of, readings};
-use super::energy::MOST;
 use super::horizon::horizon;
 use super::method_choice::{Attempt, controlled, first_attempt_at, first_controlled};
-use super::outcome::ErrorEstimate;
+use super::outcome::MOST;
+use super::outcome::{Assessment, ErrorEstimate};
 use super::reference::{MIN_TOLERANCE, ReferenceRun, reference_tolerance};
 use super::{Integration, Outcome, RunError, method, run};
 use crate::integrate::{IntegrateError, Method};
+use crate::note::Note;
 use crate::quantity::engineering;
 use crate::scene::{DEFAULT_ACCURACY, LOOSEST_ACCURACY, Scene, TIGHTEST_ACCURACY};
 
@@ -143,23 +144,24 @@ pub fn run_to_accuracy(
             };
             continue;
         }
-        let summary = &mut outcome.summary;
+        let mut notes = Vec::new();
         if steps < accuracy {
             let why = if makes_energy {
                 "longer ones have made or lost more than a tenth of the energy in motion"
             } else {
                 "longer ones left it uncertain whether readings are as accurate as asked, and traces to half of the digits"
             };
-            summary.notes.push(format!("steps are made for {steps:.0e}: {why}"));
+            let sentence = format!("steps are made for {steps:.0e}: {why}");
+            notes.push(Note::new("shorter_steps", sentence).with("steps_for", steps));
         }
-        summary.notes.extend(doubt(estimate.as_ref(), accuracy));
-        summary.error_estimate = estimate.filter(|_| summary.has_pulse());
-        summary.note_energy("a tighter accuracy keeps it better");
-        if let Some(time) = *chaotic_from {
-            summary.note_horizon(time, steps);
-            summary.note_undecided();
-        }
-        summary.wall_held_s = Some(started.elapsed().as_secs_f64());
+        notes.extend(doubt(estimate.as_ref(), accuracy));
+        outcome.summary.assess(Assessment {
+            estimate,
+            notes,
+            energy_advice: "a tighter accuracy keeps it better",
+            chaotic: chaotic_from.map(|time| (time, steps)),
+            wall_held_s: Some(started.elapsed().as_secs_f64()),
+        });
         return Ok(outcome);
     }
 }
@@ -173,14 +175,14 @@ pub(crate) fn known_until(scene: &Scene, accuracy: f64, changes: Option<u64>) ->
 }
 
 /// The note on an estimate that is missing, or beyond the `accuracy` (1) that was asked for.
-pub fn doubt(estimate: Option<&ErrorEstimate>, accuracy: f64) -> Option<String> {
+pub fn doubt(estimate: Option<&ErrorEstimate>, accuracy: f64) -> Option<Note> {
     let Some(estimate) = estimate else {
-        return Some(
-            "no error estimate: the reference run detects different pulses, or pulses below its own error".to_owned(),
-        );
+        let sentence = "no error estimate: the reference run detects different pulses, or pulses below its own error";
+        return Some(Note::new("no_error_estimate", sentence));
     };
     let worst = estimate.worst();
     (worst > accuracy).then(|| {
-        format!("readings may be off by {worst:.1e}, more than the accuracy of {accuracy:.1e} that was asked for")
+        let sentence = format!("readings may be off by {worst:.1e}, more than the accuracy of {accuracy:.1e} that was asked for");
+        Note::new("accuracy_missed", sentence).with("error", worst).with("accuracy", accuracy)
     })
 }

@@ -1,7 +1,7 @@
 //! From the forces that were watched to what the scope keeps, and the truth behind it.
 
-use super::bench::{Bench, Grid};
-use crate::recording::{Capture, InstrumentIdentity, Origin, Shot};
+use super::bench::Bench;
+use crate::recording::{Capture, InstrumentIdentity, Origin, Shot, TrueSignal};
 use crate::scene::{Scene, Site, input_load};
 use crate::scope::acquire::{TriggerPosition, before_trigger, digitise, find_trigger};
 use crate::scope::front_end::{condition, noise_stream};
@@ -13,51 +13,40 @@ use crate::trace::Trace;
 const MOST_OF_TRUTH: usize = 50_000;
 
 /// The signal at each channel's probe, conditioned by the front end; `None` for channels that are off (V).
-pub fn signals(scene: &Scene, bench: &Bench<'_>, grid: Grid, shot: u32) -> Vec<Option<Vec<f64>>> {
+pub fn signals(scene: &Scene, bench: &Bench<'_>, shot: u32) -> Vec<Option<Vec<f64>>> {
     let setup = &scene.scope;
     let signal = |number: u8, channel: &ChannelSetup| {
-        let volts = volts(scene, bench, grid, channel);
+        let volts = volts(scene, bench, channel);
         let mut noise = noise_stream(scene.seed, shot, number);
-        condition(setup, channel, grid.interval, &volts, &mut noise)
+        condition(setup, channel, bench.grid().interval, &volts, &mut noise)
     };
     (1..).zip(&setup.channels).map(|(n, c)| c.as_ref().map(|c| signal(n, c))).collect()
 }
 
 /// The signal at a channel's probe tip (V).
-pub fn volts(scene: &Scene, bench: &Bench<'_>, grid: Grid, channel: &ChannelSetup) -> Vec<f64> {
+pub fn volts(scene: &Scene, bench: &Bench<'_>, channel: &ChannelSetup) -> Vec<f64> {
     let load = input_load(&scene.scope.model, channel);
     let name = channel.input.as_deref().unwrap_or_default();
-    sensor_voltages(scene, bench, grid, (name, load)).unwrap_or_else(|| {
+    sensor_voltages(scene, bench, name, load).unwrap_or_else(|| {
         let samples = bench.watches().first().map_or(0, |w| w.samples.len());
         vec![0.0; samples]
     })
 }
 
 /// The signal at the external trigger input, empty for an open one (V).
-pub fn external(scene: &Scene, bench: &Bench<'_>, grid: Grid) -> Vec<f64> {
+pub fn external(scene: &Scene, bench: &Bench<'_>) -> Vec<f64> {
     let Some(name) = &scene.scope.external else { return Vec::new() };
     let model = &scene.scope.model;
     let load = Load { resistance: model.input_resistance, capacitance: model.input_capacitance };
-    sensor_voltages(scene, bench, grid, (name, load)).unwrap_or_default()
+    sensor_voltages(scene, bench, name, load).unwrap_or_default()
 }
 
 /// Voltage of the sensor `name` into a load (V).
-fn sensor_voltages(
-    scene: &Scene,
-    bench: &Bench<'_>,
-    grid: Grid,
-    (name, load): (&str, Load),
-) -> Option<Vec<f64>> {
+fn sensor_voltages(scene: &Scene, bench: &Bench<'_>, name: &str, load: Load) -> Option<Vec<f64>> {
     let index = scene.sensors.iter().position(|sensor| sensor.name == name)?;
     let (watch, placed) = bench.watches().get(index).zip(scene.sensors.get(index))?;
     let circuit = scene.circuit_into(index, load)?;
-    let force = Trace {
-        name: placed.name.clone(),
-        unit: "N".to_owned(),
-        start: grid.start,
-        interval: grid.interval,
-        values: watch.samples.clone(),
-    };
+    let force = bench.grid().trace(&placed.name, "N", watch.samples.clone());
     Some(circuit.respond(&force).values)
 }
 
@@ -75,16 +64,10 @@ pub fn trigger_scale(scene: &Scene) -> Option<f64> {
     }
 }
 
-/// Where the scope triggers. A scene never leaves the trigger to the mains.
-pub fn trigger(scene: &Scene, bench: &Bench<'_>, grid: Grid, shot: u32) -> Option<TriggerPosition> {
-    trigger_in(scene, bench, grid, &signals(scene, bench, grid, shot))
-}
-
-/// The same for conditioned `signals` of all channels (V).
-pub fn trigger_in(
+/// Where the scope triggers on the conditioned `signals` of all channels (V). A scene never leaves the trigger to the mains.
+pub fn trigger(
     scene: &Scene,
     bench: &Bench<'_>,
-    grid: Grid,
     signals: &[Option<Vec<f64>>],
 ) -> Option<TriggerPosition> {
     let scale = trigger_scale(scene)?;
@@ -92,18 +75,17 @@ pub fn trigger_in(
     let signal = if let Some(number) = scene.scope.trigger.source.channel() {
         signals.get(usize::from(number) - 1)?.as_ref()?
     } else {
-        apart = external(scene, bench, grid);
+        apart = external(scene, bench);
         &apart
     };
     let earliest = before_trigger(&scene.scope);
-    find_trigger(&scene.scope, scale, signal, grid.samples_until(0.0), earliest)
+    find_trigger(&scene.scope, scale, signal, bench.grid().samples_until(0.0), earliest)
 }
 
 /// Captures and truth of one trigger.
 pub fn record(
     scene: &Scene,
     bench: &Bench<'_>,
-    grid: Grid,
     found: Option<TriggerPosition>,
     number: u32,
 ) -> Shot {
@@ -113,7 +95,7 @@ pub fn record(
         serial: setup.model.serial.clone(),
         firmware: setup.model.firmware.clone(),
     };
-    let signals = signals(scene, bench, grid, number);
+    let signals = signals(scene, bench, number);
     let capture =
         |number: u8, channel: &ChannelSetup, signal: &[f64], found: TriggerPosition| Capture {
             waveform: digitise(setup, Source::Channel(number), channel, signal, found.index),
@@ -126,56 +108,48 @@ pub fn record(
             .filter_map(|(n, (c, s))| Some(capture(n, c.as_ref()?, s.as_ref()?, found)))
             .collect()
     });
-    let trigger_time = found.map(|found| grid.time(found.index));
+    let trigger_time = found.map(|found| bench.grid().time(found.index));
     let timestamp_ns = (trigger_time.unwrap_or(0.0).max(0.0) * 1e9).round() as u64;
     Shot {
         number,
         origin: Origin::Simulated,
         timestamp_ns,
         captures,
-        truth: truth(scene, bench, grid).into_iter().map(thinned).collect(),
+        truth: truth(scene, bench),
         trigger_time,
     }
 }
 
 /// A trace with at most [`MOST_OF_TRUTH`] samples: of more, every second, third, and so on.
-pub fn thinned(trace: Trace) -> Trace {
+fn thinned(trace: Trace) -> Trace {
     let step = trace.values.len().div_ceil(MOST_OF_TRUTH).max(1);
-    let interval = trace.interval * step as f64;
     let values = trace.values.into_iter().step_by(step).collect();
-    Trace { interval, values, ..trace }
+    Trace { interval: trace.interval * step as f64, values, ..trace }
 }
 
-/// Ground truth: the force at each sensor on the sample grid, and the frames.
-pub fn truth(scene: &Scene, bench: &Bench<'_>, grid: Grid) -> Vec<Trace> {
-    let trace = |name: String, unit: &str, grid: Grid, values: Vec<f64>| Trace {
-        name,
-        unit: unit.to_owned(),
-        start: grid.start,
-        interval: grid.interval,
-        values,
-    };
-    let mut truth = Vec::new();
-    for (placed, watch) in scene.sensors.iter().zip(bench.watches()) {
+/// Ground truth: the force at each sensor on the sample grid, and the frames, thinned.
+pub fn truth(scene: &Scene, bench: &Bench<'_>) -> Vec<Trace> {
+    let forces = scene.sensors.iter().zip(bench.watches()).map(|(placed, watch)| {
         let static_force = watch.pulse.static_force();
+        let signal = TrueSignal::Force(placed.name.clone());
         let place = match placed.site {
             Site::Particle(particle) => format!("inside particle {particle}"),
             Site::Wall => "at the wall".to_owned(),
         };
         let values = watch.samples.iter().map(|force| force + static_force).collect();
-        let name = format!("sensor/{}: force {place}", placed.name);
-        truth.push(trace(name, "N", grid, values));
-    }
+        bench.grid().trace(&format!("{signal}: force {place}"), "N", values)
+    });
     let film = bench.film();
-    for (j, forces) in film.contact_forces.iter().enumerate() {
-        if scene.chain.contacts().get(j).is_some_and(|c| c.stiffness > 0.0) {
-            let name = format!("contact/{j}: force in contact {j}");
-            truth.push(trace(name, "N", film.grid, forces.clone()));
-        }
-    }
-    for (i, track) in film.displacements.iter().enumerate() {
-        let name = format!("bead/{i}: displacement of body {i}");
-        truth.push(trace(name, "m", film.grid, track.clone()));
-    }
-    truth
+    let contacts = film.contact_forces.iter().enumerate();
+    let contacts = contacts
+        .filter(|(j, _)| scene.chain.contacts().get(*j).is_some_and(|c| c.stiffness > 0.0))
+        .map(|(j, forces)| {
+            let name = format!("{}: force in contact {j}", TrueSignal::Contact(j));
+            film.grid.trace(&name, "N", forces.clone())
+        });
+    let tracks = film.displacements.iter().enumerate().map(|(i, track)| {
+        let name = format!("{}: displacement of body {i}", TrueSignal::Displacement(i));
+        film.grid.trace(&name, "m", track.clone())
+    });
+    forces.chain(contacts).chain(tracks).map(thinned).collect()
 }

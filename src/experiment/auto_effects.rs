@@ -14,6 +14,7 @@ use std::borrow::Cow;
 use super::Integration;
 use super::pulse::FOOT_SHARE;
 use crate::chain::{Chain, ChainSpec, EffectsSpec};
+use crate::note::Note;
 use crate::scene::Scene;
 
 /// Places on either side of rest at which the magnet's slope is looked at.
@@ -25,7 +26,7 @@ const FORCE_SPEED_EXPONENT: f64 = 1.2;
 /// Pulses fade on their way, and losses weigh more in slow collisions, if at all: looked at down to this share of the fastest (1).
 const MIN_SPEED_SHARE: f64 = 0.1;
 
-/// `scene` with all that it leaves to the accuracy decided, and told in `decided`. A method by hand has no accuracy: all stay on.
+/// `scene` with all that it leaves to the accuracy decided, and noted. A method by hand has no accuracy: all stay on.
 pub fn resolve_auto_effects(scene: &Scene, integration: Integration) -> Cow<'_, Scene> {
     if scene.auto.is_empty() {
         return Cow::Borrowed(scene);
@@ -34,9 +35,8 @@ pub fn resolve_auto_effects(scene: &Scene, integration: Integration) -> Cow<'_, 
     for name in std::mem::take(&mut settled.auto) {
         let (Integration::Accuracy(accuracy) | Integration::Attempt { accuracy, .. }) = integration
         else {
-            settled
-                .decided
-                .push(format!("{name} is on: state = \"auto\" needs an accuracy, not a step"));
+            let sentence = format!("{name} is on: state = \"auto\" needs an accuracy, not a step");
+            settled.notes.push(Note::new("auto_effect", sentence).with("effect", name));
             continue;
         };
         let change = change_upper_bound(scene, name);
@@ -44,7 +44,9 @@ pub fn resolve_auto_effects(scene: &Scene, integration: Integration) -> Cow<'_, 
         if change < limit {
             settled.spec.effects.remove(name);
         }
-        settled.decided.push(describe_decision(name, change, limit));
+        let note = Note::new("auto_effect", describe_decision(name, change, limit));
+        let note = note.with("effect", name).with("largest_change", change).with("limit", limit);
+        settled.notes.push(note);
     }
     if settled.spec != scene.spec
         && let Ok(chain) = Chain::new(&settled.spec)
@@ -54,7 +56,7 @@ pub fn resolve_auto_effects(scene: &Scene, integration: Integration) -> Cow<'_, 
     Cow::Owned(settled)
 }
 
-/// The decision, as a note.
+/// The decision in words.
 fn describe_decision(name: &str, change: f64, limit: f64) -> String {
     if change.is_infinite() {
         format!("{name} is on: its change has no known upper bound")

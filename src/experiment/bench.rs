@@ -171,6 +171,11 @@ impl<'a> Bench<'a> {
         self
     }
 
+    /// The grid on which forces are sampled.
+    pub fn grid(&self) -> Grid {
+        self.grid
+    }
+
     /// The watched forces, in the order of the probes.
     pub fn watches(&self) -> &[ProbeRecord] {
         &self.watches

@@ -2,10 +2,11 @@
 
 use super::accuracy::known_until;
 use super::error::rounded_down;
-use super::outcome::ErrorEstimate;
+use super::outcome::{Assessment, ErrorEstimate};
 use super::reference::{REFERENCE_MARGIN, estimate, reference_tolerance};
 use super::{Integration, Outcome, RunError, run};
 use crate::integrate::Method;
+use crate::note::Note;
 use crate::quantity::engineering;
 use crate::scene::{Scene, TIGHTEST_ACCURACY};
 
@@ -36,34 +37,40 @@ pub fn run_by_hand(
     let mut outcome = run(scene, Integration::Method(method), shot, progress)?;
     let own = &*scene.of_shot(shot);
     let found = estimate_by_hand(own, &outcome);
-    let summary = &mut outcome.summary;
     let found = match found {
         Ok(found) => found,
         Err(error) => {
             // This run came to its end: its readings are kept.
-            summary.notes.push(format!("no error estimate: {error}"));
+            let sentence = format!("no error estimate: {error}");
+            outcome.summary.notes.push(Note::new("no_error_estimate", sentence));
             return Ok(outcome);
         }
     };
     let worst = found.as_ref().map_or(f64::INFINITY, ErrorEstimate::worst);
+    let (mut notes, mut chaotic) = (Vec::new(), None);
     if worst > TOLERABLE {
         let far = match found {
             Some(_) => format!("readings may be off by {worst:.1e}"),
             None => "an accurate run detects other pulses than this one".to_owned(),
         };
         let advice = advice(own, method).map_or(String::new(), |advice| format!("; {advice}"));
-        summary.notes.push(format!("{}: {far}{advice}", too_much(method)));
+        let note = Note::new("setting_too_coarse", format!("{}: {far}{advice}", too_much(method)));
+        notes.push(note.with("error", worst));
     } else {
         // That of a motion as accurate as this one.
         let accuracy = worst.max(TIGHTEST_ACCURACY);
         let accurate = run(own, Integration::Accuracy(accuracy), 1, &mut |_| ());
         let changes = accurate.ok().map(|accurate| accurate.summary.contact_changes);
-        if let Some(time) = changes.and_then(|changes| known_until(own, accuracy, changes)) {
-            summary.note_horizon(time, accuracy);
-        }
+        let from = changes.and_then(|changes| known_until(own, accuracy, changes));
+        chaotic = from.map(|time| (time, accuracy));
     }
-    summary.note_energy(too_much(method));
-    summary.error_estimate = found.filter(|_| summary.has_pulse());
+    outcome.summary.assess(Assessment {
+        estimate: found,
+        notes,
+        energy_advice: too_much(method),
+        chaotic,
+        wall_held_s: None,
+    });
     Ok(outcome)
 }
 

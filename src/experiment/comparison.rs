@@ -2,10 +2,10 @@
 
 use std::time::Instant;
 
-use super::bench::{Bench, Grid};
-use super::energy::EnergyLedger;
+use super::bench::Grid;
+use super::outcome::EnergyLedger;
 use super::outcome::Reading;
-use super::{probes, sample_grid};
+use super::{read_places, sample_grid, scene_bench};
 use crate::chain::simd::Refinement;
 use crate::integrate::{IntegrateError, Method, Work};
 use crate::scene::{Scene, input_load};
@@ -61,12 +61,9 @@ pub fn sampled(
     (most, grid): (u64, Grid),
     progress: &mut dyn FnMut(f64),
 ) -> Result<Run, IntegrateError> {
-    let never = Grid { start: f64::MAX, interval: 1.0 };
-    let probes = probes(scene);
     let started = Instant::now();
-    let mut bench =
-        Bench::new(&scene.chain, &scene.initial_velocities, method, &probes, (grid, never))
-            .within(most);
+    let grids = (grid, Grid::NEVER);
+    let mut bench = scene_bench(scene, &scene.initial_velocities, method, grids).within(most);
     if let Some(refinement) = refinement {
         bench = bench.without(refinement);
     }
@@ -74,7 +71,7 @@ pub fn sampled(
     let wall_s = started.elapsed().as_secs_f64();
     let (before, after) = bench.energies();
     Ok(Run {
-        readings: bench.watches().iter().map(|w| Reading::of("", None, 0.0, &w.pulse)).collect(),
+        readings: read_places(scene, &bench),
         traces: bench.watches().iter().map(|w| w.samples.clone()).collect(),
         energy: EnergyLedger::new(before, after, bench.dissipated()),
         work: bench.work(),
@@ -94,12 +91,10 @@ pub fn worst(found: &Run, exact: &Run) -> Option<f64> {
 /// # Errors
 /// The integrator's.
 pub fn readings(scene: &Scene, method: Method) -> Result<Vec<Reading>, IntegrateError> {
-    let never = Grid { start: f64::MAX, interval: 1.0 };
-    let probes = probes(scene);
-    let mut bench =
-        Bench::new(&scene.chain, &scene.initial_velocities, method, &probes, (never, never));
+    let grids = (Grid::NEVER, Grid::NEVER);
+    let mut bench = scene_bench(scene, &scene.initial_velocities, method, grids);
     bench.run_until(scene.duration, true, &mut |_| ())?;
-    Ok(bench.watches().iter().map(|w| Reading::of("", None, 0.0, &w.pulse)).collect())
+    Ok(read_places(scene, &bench))
 }
 
 /// Largest of `error` over all places that felt a pulse in the reference; none if one of them felt none here (1).

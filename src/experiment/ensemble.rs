@@ -135,10 +135,10 @@ impl Case {
         integration: Integration,
         set: InstructionSet,
     ) -> Result<Readout, IntegrateError> {
-        let never = Grid { start: f64::MAX, interval: 1.0 };
         let method = self.method(integration);
         let chain = (&self.chain, self.velocities.as_slice());
-        let mut bench = Bench::with_instructions(set, chain, method, &self.probes, (never, never));
+        let mut bench =
+            Bench::with_instructions(set, chain, method, &self.probes, (Grid::NEVER, Grid::NEVER));
         bench.run_until(self.duration, true, &mut |_| ())?;
         let work = bench.work();
         let pulses =

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::energy::EnergyLedger;
+use super::outcome::EnergyLedger;
 use super::outcome::effects;
 use super::{Integration, Outcome, RunError, method};
 use crate::recording::Attachment;
@@ -161,7 +161,7 @@ pub fn shot_notes(scene: &Scene, outcome: &Outcome) -> ShotNotes {
         "{}: {} steps, {} force evaluations, energy drift {:.1e}",
         summary.method, summary.steps, summary.force_evaluations, energy.drift
     );
-    let notes = summary.notes.iter().map(|note| (true, note.clone()));
+    let notes = summary.notes.iter().map(|note| (true, note.sentence.clone()));
     ShotNotes {
         set_up: set_up_text(&scene.scope),
         energy: Some(energy_facts(energy, outcome.shot.number)),

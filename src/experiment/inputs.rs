@@ -1,10 +1,9 @@
 //! Signals of an impact at the scope's inputs, for a scope whose settings are not the scene's.
 
 use super::accuracy::of_scene;
-use super::acquisition::{external, thinned, truth, volts};
+use super::acquisition::{external, truth, volts};
 use super::auto_effects::resolve_auto_effects;
-use super::bench::{Bench, Grid};
-use super::{FRAMES_PER_RUN, Integration, RunError, free_grid, method, probes};
+use super::{Integration, RunError, film_grid, free_grid, method, scene_bench};
 use crate::scene::Scene;
 use crate::trace::Trace;
 
@@ -52,10 +51,7 @@ pub fn inputs(scene: &Scene, window: InputWindow, shot: u32) -> Result<Inputs, R
     let method = method(scene, integration)?;
     let longest_before = (MAX_SAMPLES / 2) as f64 * window.interval;
     let grid = free_grid(scene, shot, window.interval, window.before.min(longest_before));
-    let frames = Grid { start: 0.0, interval: scene.duration / FRAMES_PER_RUN };
-    let probes = probes(scene);
-    let velocities = scene.velocities(shot);
-    let mut bench = Bench::new(&scene.chain, &velocities, method, &probes, (grid, frames));
+    let mut bench = scene_bench(scene, &scene.velocities(shot), method, (grid, film_grid(scene)));
     let last = grid.time(MAX_SAMPLES - 1);
     let end = (scene.duration + window.after + 2.0 * grid.interval)
         .min(MAX_DURATION_FACTOR * scene.duration)
@@ -64,14 +60,13 @@ pub fn inputs(scene: &Scene, window: InputWindow, shot: u32) -> Result<Inputs, R
     bench.run_until(scene.duration.min(end), false, &mut |_| ())?;
     bench.run_until(end, false, &mut |_| ())?;
     let channels = scene.scope.channels.iter();
-    let signal = |channel| volts(scene, &bench, grid, channel);
-    let truth = truth(scene, &bench, grid).into_iter().map(thinned).collect();
+    let signal = |channel| volts(scene, &bench, channel);
     Ok(Inputs {
         start: grid.start,
         interval: grid.interval,
         contact: grid.samples_until(0.0),
         volts: channels.map(|c| c.as_ref().map(signal).unwrap_or_default()).collect(),
-        external: external(scene, &bench, grid),
-        truth,
+        external: external(scene, &bench),
+        truth: truth(scene, &bench),
     })
 }

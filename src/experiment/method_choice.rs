@@ -1,6 +1,6 @@
-//! The choice of method and tolerance for an accuracy, and which methods a scene allows.
+//! How a run is integrated: the choice of method and tolerance for an accuracy, and which methods a scene allows.
 
-use super::{Integration, RunError};
+use super::error::{MAX_STEPS, RunError};
 use crate::chain::{Chain, Contact, Effect};
 use crate::integrate::Method;
 use crate::scene::Scene;
@@ -33,6 +33,22 @@ const PRELOADED_SHARE: f64 = 1e-3;
 const FIRST_TOLERANCE_FACTOR: f64 = 10.0;
 /// Largest tolerance of the first attempt (1).
 const MAX_FIRST_TOLERANCE: f64 = 0.01;
+
+/// How a run is integrated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Integration {
+    /// To the accuracy that is asked for: relative error of first-peak forces and times (1).
+    Accuracy(f64),
+    /// By this method with this setting.
+    Method(Method),
+    /// By a method that is tried, and held to an accuracy afterwards.
+    Attempt {
+        /// The method.
+        method: Method,
+        /// Relative error of first-peak forces and times (1).
+        accuracy: f64,
+    },
+}
 
 /// A method, and the accuracy that its steps are made for (1).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,12 +87,36 @@ pub fn first_attempt(scene: &Scene, integration: Integration) -> Integration {
     Integration::Attempt { method, accuracy }
 }
 
-/// The method that serves `accuracy` (1).
-pub fn method(scene: &Scene, accuracy: f64) -> Method {
-    method_for(&scene.chain, &scene.initial_velocities, accuracy)
+/// The method of `integration` for `scene`.
+///
+/// # Errors
+/// [`RunError`] for a method by hand that losses rule out, or whose step cannot be stable or takes too long.
+pub fn method(scene: &Scene, integration: Integration) -> Result<Method, RunError> {
+    let method = match integration {
+        Integration::Accuracy(accuracy) => {
+            return Ok(method_for(&scene.chain, &scene.initial_velocities, accuracy));
+        }
+        Integration::Attempt { method, .. } => return Ok(method),
+        Integration::Method(method) => method,
+    };
+    refuse(scene, method)?;
+    if let Some((step, _)) = method.fixed_step() {
+        let steps = scene.duration / step;
+        if steps > MAX_STEPS {
+            return Err(RunError::TooManySteps { step, steps });
+        }
+    }
+    let limit = method.fixed_step().and_then(|(step, reach)| {
+        let limit = scene.chain.stability_limit(&scene.initial_velocities, reach)?;
+        (step > limit.step).then_some((step, limit))
+    });
+    match limit {
+        Some((step, limit)) => Err(RunError::Unstable { step, limit }),
+        None => Ok(method),
+    }
 }
 
-/// The same for a chain with these initial velocities (m/s).
+/// The method that serves `accuracy` (1) for a chain with these initial velocities (m/s).
 pub fn method_for(chain: &Chain, velocities: &[f64], accuracy: f64) -> Method {
     let two_lengths =
         two_step(chain, accuracy / TWO_STEP_MARGIN).filter(|_| is_preloaded(chain, velocities));
@@ -119,7 +159,7 @@ fn is_preloaded(chain: &Chain, velocities: &[f64]) -> bool {
 ///
 /// # Errors
 /// [`RunError`] where the method is not made for losses, or for nothing else, and where its step is too long for them.
-pub fn refuse(scene: &Scene, method: Method) -> Result<(), RunError> {
+fn refuse(scene: &Scene, method: Method) -> Result<(), RunError> {
     if !scene.chain.is_dissipative() {
         let refused = RunError::OnlyForLosses { method: method.name() };
         return if method.suits(false) { Ok(()) } else { Err(refused) };

@@ -1,16 +1,55 @@
-//! Notes of a run for the user.
+//! Notes on a run: what its readings and its record lack, and where it leaves what its laws are good for.
 
 use super::acquisition::trigger_scale;
 use super::frames::Frames;
 use super::outcome::Reading;
 use crate::chain::Chain;
+use crate::note::Note;
 use crate::quantity::engineering;
 use crate::recording::Shot;
 use crate::scene::{PlacedSensor, Scene, Site};
 use crate::scope::acquire::TriggerPosition;
 
+/// Hertz's law is for overlaps far below the bodies' sizes: beyond this share of a particle's length it does not hold (1).
+const MAX_OVERLAP_SHARE: f64 = 0.1;
+
+/// All notes on a run whose readings are `sensors` and whose frames are `film`, and those on its scene.
+pub fn notes(
+    scene: &Scene,
+    sensors: &[Reading],
+    shot: &Shot,
+    found: Option<TriggerPosition>,
+    film: &Frames,
+) -> Vec<Note> {
+    let drawn = scene.striker_speed_spread.and(scene.velocities(shot.number).first().copied());
+    let drawn = drawn.map(|speed| {
+        let sentence = format!("the striker's speed was drawn: {}", engineering(speed, "m/s", 4));
+        Note::new("striker_speed_drawn", sentence).with("speed_m_per_s", speed)
+    });
+    let mut notes: Vec<Note> = drawn.into_iter().collect();
+    notes.extend(scene.sensors.iter().filter_map(|placed| transferred(scene, placed)));
+    notes.extend(level_in_hysteresis(scene));
+    notes.extend(not_triggered(scene, found));
+    for capture in &shot.captures {
+        let (clipped, source) = (capture.waveform.clipped(), capture.waveform.source.to_string());
+        if clipped > 0 {
+            let sentence = format!(
+                "{source}: {clipped} samples at the end of the converter's range may be clipped"
+            );
+            let note = Note::new("clipped", sentence).with("channel", source);
+            notes.push(note.with("samples", clipped));
+        }
+    }
+    notes.extend(sensors.iter().filter(|s| s.first_peak.is_none()).map(no_peak));
+    notes.extend(yielding(&scene.chain, film));
+    notes.extend(deep_overlap(&scene.chain, film));
+    notes.extend(beyond_table(&scene.chain, film));
+    notes.extend(scene.notes.iter().cloned());
+    notes
+}
+
 /// A calibration in another kind of host than the one it is used in: a plate in a steel cylinder feels 0.69 of what one in a PTFE sphere feels.
-fn transferred(scene: &Scene, placed: &PlacedSensor) -> Option<String> {
+fn transferred(scene: &Scene, placed: &PlacedSensor) -> Option<Note> {
     let calibrated = placed.sensor.calibrated_host.as_ref()?;
     let host = match placed.site {
         Site::Particle(particle) => {
@@ -20,80 +59,131 @@ fn transferred(scene: &Scene, placed: &PlacedSensor) -> Option<String> {
         Site::Wall => "the wall".to_owned(),
     };
     (host != *calibrated).then(|| {
-        format!(
+        let sentence = format!(
             "{}: its sensor was calibrated in {calibrated} and sits in {host}: another host passes another share of the force to the plate",
             placed.name
-        )
+        );
+        let note = Note::new("calibrated_in_another_host", sentence);
+        let note = note.with("sensor", placed.name.as_str()).with("host", host.as_str());
+        note.with("calibrated_host", calibrated.as_str())
     })
 }
 
-/// Notes on trigger, clipping, and pulses that did not come.
-pub fn notes(
-    scene: &Scene,
-    sensors: &[Reading],
-    shot: &Shot,
-    found: Option<TriggerPosition>,
-) -> Vec<String> {
-    let mut notes = Vec::new();
-    let drawn = scene.striker_speed_spread.and(scene.velocities(shot.number).first().copied());
-    let told = |v| format!("the striker's speed was drawn: {}", engineering(v, "m/s", 4));
-    notes.extend(drawn.map(told));
-    notes.extend(scene.sensors.iter().filter_map(|placed| transferred(scene, placed)));
-    if let Some(scale) = trigger_scale(scene) {
-        let (level, deaf) =
-            (scene.scope.trigger.level, scene.scope.model.trigger_hysteresis * scale);
-        if level.abs() < deaf {
-            notes.push(format!("the trigger level {} is within the trigger's hysteresis of {} around zero: a pulse from rest may not trigger", engineering(level, "V", 3), engineering(deaf, "V", 3)));
-        }
-    }
-    let interval = scene.scope.model.signal_interval(scene.scope.time_base);
-    let apart = engineering(interval, "s", 3);
-    let passed = format!(
-        "no sample crossed the trigger's level (they are {apart} apart; shorter pulses may be missed)"
-    );
-    match found {
-        None => {
-            notes.push(format!("the scope was not triggered: {passed}, so there are no captures"));
-        }
-        Some(found) if !found.crossed => {
-            notes.push(format!(
-                "{passed}; automatic mode recorded from the striker's first contact"
-            ));
-        }
-        Some(_) => {}
-    }
-    for capture in &shot.captures {
-        let clipped = capture.waveform.clipped();
-        if clipped > 0 {
-            notes.push(format!(
-                "{}: {clipped} samples at the end of the converter's range may be clipped",
-                capture.waveform.source
-            ));
-        }
-    }
-    for sensor in sensors.iter().filter(|s| s.first_peak.is_none()) {
-        let felt = if sensor.largest_s.is_some() {
-            let force = engineering(sensor.largest_n, "N", 3);
-            format!("the force was still rising, at {force}, when the scene's duration ended")
-        } else {
-            "no pulse arrived within the scene's duration".to_owned()
-        };
-        notes.push(format!("{}: {felt}", sensor.name));
-    }
-    notes
+fn level_in_hysteresis(scene: &Scene) -> Option<Note> {
+    let hysteresis = scene.scope.model.trigger_hysteresis * trigger_scale(scene)?;
+    let level = scene.scope.trigger.level;
+    (level.abs() < hysteresis).then(|| {
+        let sentence = format!(
+            "the trigger level {} is within the trigger's hysteresis of {} around zero: a pulse from rest may not trigger",
+            engineering(level, "V", 3),
+            engineering(hysteresis, "V", 3)
+        );
+        let note = Note::new("level_within_hysteresis", sentence).with("level_v", level);
+        note.with("hysteresis_v", hysteresis)
+    })
 }
 
-/// A note on a particle that left the distances for which its magnet's force was measured, as far as the film's frames show.
-pub fn beyond_table(chain: &Chain, film: &Frames) -> Option<String> {
+fn not_triggered(scene: &Scene, found: Option<TriggerPosition>) -> Option<Note> {
+    if found.is_some_and(|found| found.crossed) {
+        return None;
+    }
+    let interval = scene.scope.model.signal_interval(scene.scope.time_base);
+    let passed = format!(
+        "no sample crossed the trigger's level (they are {} apart; shorter pulses may be missed)",
+        engineering(interval, "s", 3)
+    );
+    let note = match found {
+        None => Note::new(
+            "not_triggered",
+            format!("the scope was not triggered: {passed}, so there are no captures"),
+        ),
+        Some(_) => Note::new(
+            "recorded_without_trigger",
+            format!("{passed}; automatic mode recorded from the striker's first contact"),
+        ),
+    };
+    Some(note.with("interval_s", interval))
+}
+
+fn no_peak(sensor: &Reading) -> Note {
+    let name = sensor.name.as_str();
+    let note = if sensor.largest_s.is_some() {
+        let force = engineering(sensor.largest_n, "N", 3);
+        let sentence = format!(
+            "{name}: the force was still rising, at {force}, when the scene's duration ended"
+        );
+        Note::new("force_still_rising", sentence).with("force_n", sensor.largest_n)
+    } else {
+        let sentence = format!("{name}: no pulse arrived within the scene's duration");
+        Note::new("no_pulse", sentence)
+    };
+    note.with("sensor", name)
+}
+
+/// A particle that left the distances for which its magnet's force was measured, as far as the frames show.
+fn beyond_table(chain: &Chain, film: &Frames) -> Option<Note> {
     let (body, pull) = chain.pull()?;
     let [near, far] = pull.known();
     let path = film.displacements.get(body)?;
     let beyond = |u: &f64| (near - (pull.distance - u)).max(pull.distance - u - far);
     let most = path.iter().map(beyond).fold(0.0, f64::max);
     (most > 0.0).then(|| {
-        format!(
+        let sentence = format!(
             "the magnet's particle goes at least {} beyond the ends of its table: there its force is taken to be that of the end",
             engineering(most, "m", 2)
-        )
+        );
+        Note::new("beyond_magnet_table", sentence).with("distance_m", most)
     })
+}
+
+/// Overlaps that are no longer small beside the particles, as far as the frames show.
+fn deep_overlap(chain: &Chain, film: &Frames) -> Option<Note> {
+    if chain.is_linear() {
+        return None;
+    }
+    let share = |j: usize| {
+        let (contact, forces) = (chain.contacts().get(j)?, film.contact_forces.get(j)?);
+        let most = forces.iter().copied().fold(0.0, f64::max);
+        let beside = [j.checked_sub(1), Some(j)].into_iter().flatten();
+        // A flat-faced body of which only the mass is told has none.
+        let lengths = beside.filter_map(|i| chain.bodies().get(i)).map(|body| body.length);
+        let lengths = lengths.filter(|length| *length > 0.0);
+        let overlap = (most / contact.stiffness).powf(2.0 / 3.0);
+        Some((j, overlap / lengths.fold(f64::INFINITY, f64::min)))
+    };
+    let real = (0..chain.contacts().len()).filter(|j| chain.contacts()[*j].stiffness > 0.0);
+    let (j, most) = real.filter_map(share).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (upper, lower) = chain.beside(j);
+    (most > MAX_OVERLAP_SHARE).then(|| {
+        let sentence = format!(
+            "the overlap between {upper} and {lower} reaches {most:.1} of the smaller one's length: Hertz's law does not hold there, and these results are not those of a real chain"
+        );
+        Note::new("beyond_hertz", sentence).with("contact", j).with("overlap_share", most)
+    })
+}
+
+/// Contacts that bore more than makes their softer body yield, as far as the frames show.
+fn yielding(chain: &Chain, film: &Frames) -> Option<Note> {
+    let mut worst: Option<(f64, f64, usize)> = None;
+    let mut count = 0;
+    for (j, (contact, forces)) in chain.contacts().iter().zip(&film.contact_forces).enumerate() {
+        let Some(limit) = contact.yield_force else { continue };
+        let most = forces.iter().copied().fold(0.0, f64::max);
+        if most > limit {
+            count += 1;
+            if worst.is_none_or(|(force, other, _)| most / limit > force / other) {
+                worst = Some((most, limit, j));
+            }
+        }
+    }
+    let (force, limit, j) = worst?;
+    let (upper, lower) = chain.beside(j);
+    let exceed = if count == 1 { "contact exceeds" } else { "contacts exceed" };
+    let sentence = format!(
+        "{count} {exceed} the yield load of the softer body ({} between {upper} and {lower}; yields at {}): real peaks will be lower",
+        engineering(force, "N", 3),
+        engineering(limit, "N", 2)
+    );
+    let note = Note::new("yielding", sentence).with("contacts", count).with("contact", j);
+    Some(note.with("force_n", force).with("yield_force_n", limit))
 }

@@ -4,13 +4,13 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use super::energy::{EnergyLedger, TOLERABLE};
 use super::paper_speeds::PaperSpeed;
 use super::pulse::{FOOT_SHARE, HALF_RISE_SHARE, PEAK_SHARE, PassedOver, Peak, PulseRecorder};
-use crate::chain::Chain;
+use crate::chain::{Chain, Dissipated, Energy};
+use crate::note::Note;
 use crate::quantity::engineering;
 use crate::recording::Shot;
-use crate::scene::{PlacedSensor, PlatePlace, Scene, Site, distance};
+use crate::scene::{LOOSEST_ACCURACY, PlacedSensor, PlatePlace, Scene, Site, distance};
 use crate::scope::{ChannelSetup, Deviation};
 
 /// Everything a run leaves.
@@ -82,7 +82,7 @@ pub struct Summary {
     /// Whether the scope triggered, and when.
     pub trigger: TriggerReport,
     /// Notes for the user about this run.
-    pub notes: Vec<String>,
+    pub notes: Vec<Note>,
 }
 
 /// How far off a run's first peaks, arrivals and traces may be.
@@ -112,25 +112,48 @@ impl ErrorEstimate {
 /// energy about, it makes none. Less where two runs agree better (1).
 const PEAK_MARGIN: f64 = 0.5;
 
+/// What comparing a run with a reference run says of it.
+pub(super) struct Assessment {
+    pub(super) estimate: Option<ErrorEstimate>,
+    pub(super) notes: Vec<Note>,
+    /// What would keep the energy better.
+    pub(super) energy_advice: &'static str,
+    /// From when on the motion is chaotic (s), at which accuracy (1).
+    pub(super) chaotic: Option<(f64, f64)>,
+    pub(super) wall_held_s: Option<f64>,
+}
+
 impl Summary {
+    /// Fills in what a comparison with a reference run says.
+    pub(super) fn assess(&mut self, assessment: Assessment) {
+        self.notes.extend(assessment.notes);
+        self.error_estimate = assessment.estimate.filter(|_| self.has_pulse());
+        self.note_energy(assessment.energy_advice);
+        if let Some((time, accuracy)) = assessment.chaotic {
+            self.note_horizon(time, accuracy);
+            self.note_undecided();
+        }
+        self.wall_held_s = assessment.wall_held_s;
+    }
+
     /// Whether a pulse was felt anywhere: of nothing no number says how far off it is.
-    pub(super) fn has_pulse(&self) -> bool {
+    fn has_pulse(&self) -> bool {
         self.sensors.iter().chain(&self.wall).any(|reading| reading.first_peak.is_some())
     }
 
     /// Notes where the method has made energy, or lost it, and what may be done about it.
-    pub(super) fn note_energy(&mut self, advice: &str) {
+    fn note_energy(&mut self, advice: &str) {
         let drift = self.energy.drift;
         if !self.energy.is_kept(TOLERABLE) {
             let (what, share) = (if drift > 0.0 { "made" } else { "lost" }, drift.abs());
-            self.notes.push(format!(
-                "the method has {what} energy, {share:.1e} of that in motion: {advice}"
-            ));
+            let sentence =
+                format!("the method has {what} energy, {share:.1e} of that in motion: {advice}");
+            self.notes.push(Note::new("energy_drift", sentence).with("drift", drift));
         }
     }
 
     /// Notes first peaks that hang on forces felt when the motion is no longer known, as far as two runs differ there.
-    pub(super) fn note_undecided(&mut self) {
+    fn note_undecided(&mut self) {
         let Some(horizon) = self.horizon_s else { return };
         let differ = self.error_estimate.as_ref().and_then(|estimate| estimate.trace);
         let clear = 1.0 + differ.map_or(PEAK_MARGIN, |differ| differ.min(PEAK_MARGIN));
@@ -144,20 +167,22 @@ impl Summary {
         let places = self.sensors.iter().chain(&self.wall).filter(hangs).map(|r| r.name.clone());
         let places: Vec<String> = places.collect();
         if !places.is_empty() {
-            let places = places.join(", ");
-            self.notes.push(format!(
-                "which maximum is the first peak is not decided at {places}: it, or an earlier one, is near a quarter of the largest force, which comes when two runs no longer agree on it; a shorter duration decides it, a tighter accuracy may"
-            ));
+            let sentence = format!(
+                "which maximum is the first peak is not decided at {}: it, or an earlier one, is near a quarter of the largest force, which comes when two runs no longer agree on it; a shorter duration decides it, a tighter accuracy may",
+                places.join(", ")
+            );
+            self.notes.push(Note::new("first_peak_undecided", sentence).with("places", places));
         }
     }
 
     /// Notes that from `time` (s) on the motion at `accuracy` (1) is no longer known to half of its digits.
-    pub(super) fn note_horizon(&mut self, time: f64, accuracy: f64) {
+    fn note_horizon(&mut self, time: f64, accuracy: f64) {
         let (words, left) = (engineering(time, "s", 2), accuracy.sqrt());
         self.horizon_s = Some(time);
-        self.notes.push(format!(
+        let sentence = format!(
             "after {words} the motion is chaotic and not reliable in detail (errors may exceed {left:.0e} of the largest overlap or speed); a tighter --accuracy or a shorter step extends this"
-        ));
+        );
+        self.notes.push(Note::new("chaotic", sentence).with("from_s", time));
     }
 }
 
@@ -335,9 +360,71 @@ pub fn effects(scene: &Scene) -> Vec<(String, String)> {
     effects
 }
 
+/// A run that has made or lost more of the energy in motion is not taken for what the bench would show without a word (1).
+pub const TOLERABLE: f64 = 0.01;
+/// What sums of energies may be off, relative to all that is stored (1).
+const ROUNDING: f64 = 1e-12;
+
+/// No run that is held to an accuracy makes or loses more of the energy in motion: where late motion is known only in its statistics, these would be
+/// those of another bench (1).
+pub const MOST: f64 = LOOSEST_ACCURACY;
+
+/// The energy ledger of a run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EnergyLedger {
+    /// At the striker's first contact (J).
+    pub initial: f64,
+    /// At the end (J).
+    pub r#final: f64,
+    /// Booked as lost by the effects that were on (J).
+    pub dissipated: f64,
+    /// What [`drift`] says: the integrator's error (1).
+    pub drift: f64,
+    /// The initial energy by kind.
+    pub initial_by_kind: Energy,
+    /// The final energy by kind, without what is left in contacts held at zero force.
+    pub final_by_kind: Energy,
+    /// What was lost, by loss, and what is left in contacts.
+    pub dissipated_by_kind: Dissipated,
+}
+
+impl EnergyLedger {
+    /// The ledger of a run from its `initial` to its `last` energy.
+    pub fn new(initial: Energy, last: Energy, taken: Dissipated) -> Self {
+        let (before, after, dissipated) = (initial.total(), last.total(), taken.total());
+        Self {
+            initial: before,
+            r#final: after,
+            dissipated,
+            drift: drift(&initial, &last, &taken),
+            initial_by_kind: initial,
+            final_by_kind: last,
+            dissipated_by_kind: taken,
+        }
+    }
+
+    /// Whether no more than `share` (1) of the energy in motion has been made or lost, but for rounding of all that is stored.
+    pub fn is_kept(&self, share: f64) -> bool {
+        self.drift.abs() <= share || self.is_rounding()
+    }
+
+    /// Whether what has been made or lost may be rounding of all that is stored.
+    pub fn is_rounding(&self) -> bool {
+        let made = self.r#final + self.dissipated - self.initial;
+        made.abs() <= ROUNDING * self.initial.abs()
+    }
+}
+
+/// `(after + taken - before)` over the kinetic energy before or after, whichever is more: what a method has made of energy, as a share of
+/// that in motion. Static overlaps, which may hold a thousand times as much, do not hide it; what they round to is in it (1).
+pub fn drift(before: &Energy, after: &Energy, taken: &Dissipated) -> f64 {
+    (after.total() + taken.total() - before.total()) / before.kinetic.max(after.kinetic)
+}
+
 #[cfg(test)]
 mod tests {
     use crate::experiment::accuracy::run_to_accuracy;
+    use crate::note::Note;
     use crate::scene::Scene;
 
     /// A bead of 0.13 mg rattles on while heavy ones press it harder and harder: maxima that it makes on the way are first until larger forces come. Where two
@@ -365,7 +452,11 @@ mod tests {
         ";
         let scene = Scene::from_text("pressed", "pressed.toml", text).unwrap();
         let mut found = run_to_accuracy(&scene, 1e-3, 1, &mut |_| ()).unwrap().summary;
-        let is_told = |notes: &[String]| notes.iter().any(|note| note.contains("not decided at a"));
+        let is_told = |notes: &[Note]| {
+            notes.iter().any(|note| {
+                note.code == "first_peak_undecided" && note.sentence.contains("not decided at a")
+            })
+        };
         let (reading, quarter) = (&found.sensors[0], 0.25 * found.sensors[0].largest_n);
         assert!(reading.first_peak.unwrap().dynamic_n > 2.0 * quarter, "{reading:?}");
         let passed = reading.passed_over.unwrap();

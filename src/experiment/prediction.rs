@@ -1,13 +1,12 @@
 //! What a scene predicts without noise and rounding: readings, speeds, and what the scope would show.
 
-use super::acquisition::{signals, trigger_in};
+use super::acquisition::{signals, trigger};
 use super::auto_effects::resolve_auto_effects;
-use super::bench::{Bench, Grid};
+use super::bench::Grid;
 use super::error::RunError;
-use super::integration::Integration;
 use super::outcome::{Reading, Speed, speeds};
-use super::run::{method, probes, sample_grid};
-use crate::scene::{Scene, Site};
+use super::{Integration, method, read_bench, sample_grid, scene_bench};
+use crate::scene::Scene;
 use crate::scope::acquire::volts_at_points;
 use crate::trace::Trace;
 
@@ -39,34 +38,22 @@ pub fn predict(scene: &Scene, accuracy: f64, traces: bool) -> Result<Prediction,
     let mut grid = sample_grid(scene, 1);
     // The clock's phase is no property of the bench.
     grid.start = (grid.start / grid.interval).floor() * grid.interval;
-    let never = Grid { start: f64::MAX, interval: 1.0 };
-    let probes = probes(scene);
-    let mut bench =
-        Bench::new(&scene.chain, &scene.initial_velocities, method, &probes, (grid, never));
+    let grids = (grid, Grid::NEVER);
+    let mut bench = scene_bench(scene, &scene.initial_velocities, method, grids);
     bench.run_until(scene.duration, true, &mut |_| ())?;
-    let watches = bench.watches();
-    let reading = |(placed, watch): (&crate::scene::PlacedSensor, &super::bench::ProbeRecord)| {
-        let particle = match placed.site {
-            Site::Particle(particle) => Some(particle),
-            Site::Wall => None,
-        };
-        Reading::of(&placed.name, particle, placed.offset, &watch.pulse)
-    };
-    let all: Vec<Reading> = scene.sensors.iter().zip(watches).map(reading).collect();
-    let wall = scene.chain.wall_contact().and_then(|_| watches.last());
-    let wall = wall.map(|watch| Reading::of("wall", None, 0.0, &watch.pulse));
+    let (all, wall) = read_bench(scene, &bench);
     let heights = heights(scene, &all);
     let mut shown = Vec::new();
     if traces {
         let (_, span) = scene.scope.record_span();
-        let first = signals(scene, &bench, grid, 1);
-        if let Some(found) = trigger_in(scene, &bench, grid, &first).filter(|found| found.crossed) {
+        let first = signals(scene, &bench, 1);
+        if let Some(found) = trigger(scene, &bench, &first).filter(|found| found.crossed) {
             bench.run_until(
                 grid.time(found.index) + span + 2.0 * grid.interval,
                 false,
                 &mut |_| (),
             )?;
-            shown = shown_at(scene, &signals(scene, &bench, grid, 1), found.index);
+            shown = shown_at(scene, &signals(scene, &bench, 1), found.index);
         }
     }
     Ok(Prediction {

@@ -5,7 +5,9 @@ use super::grid::Grid;
 use super::method_choice::controlled_for;
 use super::outcome::{ErrorEstimate, Reading};
 use super::{Outcome, RunError, sample_grid};
+use crate::recording::TrueSignal;
 use crate::scene::{Scene, Site};
+use crate::trace::Trace;
 
 /// What readings are off by rounding, by which estimates are never smaller (1).
 const ROUNDING_ERROR: f64 = 1e-12;
@@ -116,7 +118,9 @@ impl ReferenceRun {
     /// How far off traces are (1), and up to when by no more than `limit` (1, s).
     fn trace(&self, outcome: &Outcome, limit: f64) -> Option<(f64, Option<f64>)> {
         let Self { tolerance, traces, grid, .. } = self;
-        let recorded = outcome.shot.truth.iter().filter(|trace| trace.name.starts_with("sensor/"));
+        let at_sensor =
+            |trace: &&Trace| matches!(TrueSignal::of(trace), Some(TrueSignal::Force(_)));
+        let recorded = outcome.shot.truth.iter().filter(at_sensor);
         let pairs = recorded.zip(traces).filter_map(|(trace, second)| {
             let (at_rest, exact) = second.as_ref()?;
             let dynamic: Vec<f64> = trace.values.iter().map(|force| force - at_rest).collect();

@@ -4,17 +4,17 @@ use std::time::Instant;
 
 use rand_distr::{Distribution, StandardUniform};
 
-use super::acquisition::{record, trigger};
-use super::bench::{Bench, Grid};
-use super::energy::EnergyLedger;
-use super::error::{MAX_STEPS, RunError};
-use super::integration::Integration;
+use super::acquisition::{record, signals, trigger};
+use super::bench::{Bench, Grid, ProbeRecord};
+use super::error::RunError;
+use super::method_choice::Integration;
+use super::outcome::EnergyLedger;
 use super::outcome::{Outcome, Reading, Summary, TriggerReport};
-use super::{auto_effects, method_choice, notes, outcome, paper_speeds, yielding};
+use super::{auto_effects, method_choice, notes, outcome, paper_speeds};
 use crate::chain::ForceProbe;
 use crate::integrate::Method;
 use crate::recording::Shot;
-use crate::scene::{PlacedSensor, Scene, Site};
+use crate::scene::{Scene, Site};
 use crate::scope::acquire::TriggerPosition;
 use crate::scope::front_end::noise_stream;
 
@@ -37,48 +37,23 @@ pub fn run(
 ) -> Result<Outcome, RunError> {
     let scene = &*auto_effects::resolve_auto_effects(scene, integration);
     let started = Instant::now();
-    let method = method(scene, integration)?;
-    let grid = sample_grid(scene, shot);
-    let frames = Grid { start: 0.0, interval: scene.duration / FRAMES_PER_RUN };
-    let probes = probes(scene);
-    let velocities = scene.velocities(shot);
-    let mut bench = Bench::new(&scene.chain, &velocities, method, &probes, (grid, frames));
+    let method = method_choice::method(scene, integration)?;
+    let grids = (sample_grid(scene, shot), film_grid(scene));
+    let mut bench = scene_bench(scene, &scene.velocities(shot), method, grids);
     let (_, span) = scene.scope.record_span();
     let expected_end = scene.duration.max(span);
     let mut report = |time: f64| progress((time / expected_end).min(1.0));
     bench.run_until(scene.duration, true, &mut report)?;
-    let found = trigger(scene, &bench, grid, shot);
+    let found = trigger(scene, &bench, &signals(scene, &bench, shot));
     if let Some(found) = found {
+        let grid = bench.grid();
         let end = grid.time(found.index) + span + 2.0 * grid.interval;
         bench.run_until(end, false, &mut report)?;
     }
     let wall_s = started.elapsed().as_secs_f64();
-    let shot = record(scene, &bench, grid, found, shot);
+    let shot = record(scene, &bench, found, shot);
     let finished = Finished { scene, integration, method, bench: &bench, found, wall_s };
     Ok(Outcome { summary: finished.summarise(&shot), shot })
-}
-
-pub(crate) fn method(scene: &Scene, integration: Integration) -> Result<Method, RunError> {
-    let method = match integration {
-        Integration::Accuracy(accuracy) => return Ok(method_choice::method(scene, accuracy)),
-        Integration::Attempt { method, .. } => return Ok(method),
-        Integration::Method(method) => method,
-    };
-    method_choice::refuse(scene, method)?;
-    if let Some((step, _)) = method.fixed_step() {
-        let steps = scene.duration / step;
-        if steps > MAX_STEPS {
-            return Err(RunError::TooManySteps { step, steps });
-        }
-    }
-    let limit = method.fixed_step().and_then(|(step, reach)| {
-        let limit = scene.chain.stability_limit(&scene.initial_velocities, reach)?;
-        (step > limit.step).then_some((step, limit))
-    });
-    match limit {
-        Some((step, limit)) => Err(RunError::Unstable { step, limit }),
-        None => Ok(method),
-    }
 }
 
 /// The scope's sample times on the bench's clock, set as in the scene.
@@ -91,14 +66,52 @@ pub(crate) fn sample_grid(scene: &Scene, shot: u32) -> Grid {
 
 /// Sample times every `interval` (s), from `before` (s) ahead of the first contact: the scope's own clock runs freely, so
 /// the phase is drawn from the seed.
-pub(super) fn free_grid(scene: &Scene, shot: u32, interval: f64, before: f64) -> Grid {
+pub(crate) fn free_grid(scene: &Scene, shot: u32, interval: f64, before: f64) -> Grid {
     let phase: f64 = StandardUniform.sample(&mut noise_stream(scene.seed, shot, CLOCK_STREAM));
     let before = (before / interval).ceil() + SPARE_SAMPLES;
     Grid { start: (phase - before) * interval, interval }
 }
 
-/// One probe a sensor, in their order, and the wall's contact last if there is a wall.
-pub(crate) fn probes(scene: &Scene) -> Vec<ForceProbe> {
+/// The times of a scene's frames.
+pub(crate) fn film_grid(scene: &Scene) -> Grid {
+    Grid { start: 0.0, interval: scene.duration / FRAMES_PER_RUN }
+}
+
+/// The bench of `scene`, its bodies let go at `velocities` (m/s): forces are watched at the sensors, in their order, and last at the wall if
+/// there is one, and sampled on the first grid; frames are taken on the second.
+pub(crate) fn scene_bench<'a>(
+    scene: &'a Scene,
+    velocities: &[f64],
+    method: Method,
+    grids: (Grid, Grid),
+) -> Bench<'a> {
+    Bench::new(&scene.chain, velocities, method, &probes(scene), grids)
+}
+
+/// Readings at the places of [`scene_bench`].
+pub(crate) fn read_places(scene: &Scene, bench: &Bench<'_>) -> Vec<Reading> {
+    let places =
+        scene.sensors.iter().map(|placed| (placed.name.as_str(), placed.site, placed.offset));
+    let places = places.chain([("wall", Site::Wall, 0.0)]).zip(bench.watches());
+    let reading = |((name, site, offset), watch): ((&str, Site, f64), &ProbeRecord)| {
+        let particle = match site {
+            Site::Particle(particle) => Some(particle),
+            Site::Wall => None,
+        };
+        Reading::of(name, particle, offset, &watch.pulse)
+    };
+    places.map(reading).collect()
+}
+
+/// The same, those of sensors and that of the wall apart.
+pub(crate) fn read_bench(scene: &Scene, bench: &Bench<'_>) -> (Vec<Reading>, Option<Reading>) {
+    let mut readings = read_places(scene, bench);
+    let wall = readings.split_off(readings.len().min(scene.sensors.len())).pop();
+    (readings, wall)
+}
+
+/// One probe a sensor, and the wall's contact.
+fn probes(scene: &Scene) -> Vec<ForceProbe> {
     let chain = &scene.chain;
     let wall = || chain.wall_contact().and_then(|j| ForceProbe::contact(chain, j));
     let sensor = |site: Site, offset: f64| match site {
@@ -122,20 +135,10 @@ struct Finished<'a> {
 impl Finished<'_> {
     fn summarise(&self, shot: &Shot) -> Summary {
         let Self { scene, integration, method, bench, found, wall_s } = *self;
-        let watches = bench.watches();
-        let reading = |placed: &PlacedSensor, pulse| {
-            let particle = match placed.site {
-                Site::Particle(particle) => Some(particle),
-                Site::Wall => None,
-            };
-            Reading::of(&placed.name, particle, placed.offset, pulse)
-        };
-        let sensors: Vec<Reading> =
-            scene.sensors.iter().zip(watches).map(|(s, w)| reading(s, &w.pulse)).collect();
-        let wall = scene.chain.wall_contact().and_then(|_| watches.last());
+        let (sensors, wall) = read_bench(scene, bench);
         let effects = outcome::effects(scene);
         let (initial, last) = bench.energies();
-        let (work, yielded) = (bench.work(), yielding::note(&scene.chain, bench.film()));
+        let work = bench.work();
         let accuracy = match integration {
             Integration::Accuracy(accuracy) | Integration::Attempt { accuracy, .. } => {
                 Some(accuracy)
@@ -168,14 +171,8 @@ impl Finished<'_> {
             energy: EnergyLedger::new(initial, last, bench.dissipated()),
             paper: paper_speeds::speed_of(scene),
             speeds: outcome::speeds(&scene.chain, &sensors),
-            wall: wall.map(|watch| Reading::of("wall", None, 0.0, &watch.pulse)),
-            notes: notes::notes(scene, &sensors, shot, found)
-                .into_iter()
-                .chain(yielded)
-                .chain(yielding::deep(&scene.chain, bench.film()))
-                .chain(notes::beyond_table(&scene.chain, bench.film()))
-                .chain(scene.decided.clone())
-                .collect(),
+            wall,
+            notes: notes::notes(scene, &sensors, shot, found, bench.film()),
             sensors: sensors.into_iter().filter(|s| s.particle.is_some()).collect(),
             trigger: TriggerReport {
                 recorded: found.is_some(),

@@ -1,8 +1,9 @@
 //! A force over one step, and what of it is kept: maxima between two looks, and steps in which it exceeded all before.
 
-use super::roots::{refine_maximum, root};
+use super::roots::refine_maximum;
 use crate::chain::ForceSegment;
 use crate::chain::probe_step::{ContactPair, StepOverlaps};
+use crate::numeric::roots::root;
 
 /// A force over one step. Steps resolve the stiffest contact, or they would not be accepted, so a force turns at most twice
 /// between two of the places in [`SAMPLE_TIMES`](crate::chain::probe_step::SAMPLE_TIMES).

@@ -6,7 +6,7 @@
 
 use super::records::{ChannelRecord, Records};
 use crate::analysis::least_squares::Minimum;
-use crate::analysis::linear::Undetermined;
+use crate::numeric::linear::Undetermined;
 
 /// The covariance at `minimum`, where the records show `shown` (V) (1).
 ///

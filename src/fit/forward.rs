@@ -1,8 +1,8 @@
 //! Computes a scope's traces of a scene, without noise and without rounding: forces through sensor, input and front end, at given times.
 
 use crate::experiment::acquisition::volts;
-use crate::experiment::bench::{Bench, Grid};
-use crate::experiment::{Integration, RunError, method, probes};
+use crate::experiment::bench::Grid;
+use crate::experiment::{Integration, RunError, method, scene_bench};
 use crate::scene::Scene;
 use crate::scope::front_end::{condition, noise_stream};
 use crate::scope::model::signal_samples;
@@ -48,11 +48,9 @@ pub fn forces_at(
     if !end.is_finite() || end > MAX_DURATION_FACTOR * scene.duration {
         return Ok(None);
     }
-    let never = Grid { start: f64::MAX, interval: 1.0 };
-    let probes = probes(scene);
     let method = method(scene, Integration::Accuracy(accuracy))?;
-    let mut bench =
-        Bench::new(&scene.chain, &scene.initial_velocities, method, &probes, (grid, never));
+    let grids = (grid, Grid::NEVER);
+    let mut bench = scene_bench(scene, &scene.initial_velocities, method, grids);
     bench.run_until(end, false, &mut |_| ())?;
     let setup = Setup { noise: 0.0, ..scene.scope.clone() };
     let trace = |(place, vertical): &(usize, VerticalSetup)| {
@@ -63,7 +61,7 @@ pub fn forces_at(
             offset: 0.0,
             deviation: Deviation::default(),
         };
-        let at_probe = volts(scene, &bench, grid, &channel);
+        let at_probe = volts(scene, &bench, &channel);
         let mut silent = noise_stream(0, 0, 0);
         let shown = condition(&setup, &channel, grid.interval, &at_probe, &mut silent);
         let mut shown: Vec<f64> =

@@ -1,8 +1,9 @@
 //! Executes the messages of a session.
+//!
+//! Remote and local control: what the control codes of `AsyncRemoteLocalControl` ask for. Source: IVI-6.1, table 17.
 
 use super::lock::{Grant, LockRequest, Released};
 use super::message::{DecodedPiece, FIRST_VENDOR_TYPE, MAX_PAYLOAD, MessageHeader, MessageType};
-use super::remote::RemoteControl;
 use super::server::{Device, Server, error, fatal};
 use super::session::Release;
 
@@ -205,5 +206,31 @@ impl Server {
             Released::Nothing => 3,
         };
         self.send(connection, MessageType::AsyncLockResponse, (code, 0), &[]);
+    }
+}
+
+/// Remote and local state of the front panel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RemoteControl {
+    /// Its keys are free.
+    Free,
+    /// Its keys are locked out.
+    LockedOut,
+    /// Any state: a virtual panel is remote and local at once.
+    Unchanged,
+}
+
+impl RemoteControl {
+    /// The request of a control code; none for an unknown code.
+    pub fn from_code(code: u8) -> Option<Self> {
+        match code {
+            // Remote disabled, the same with going to local, go to local.
+            0 | 2 | 6 => Some(Self::Free),
+            // Remote enabled, the same with going to remote.
+            1 | 3 => Some(Self::Unchanged),
+            // Remote enabled with local lock-out, the same with going to remote.
+            4 | 5 => Some(Self::LockedOut),
+            _ => None,
+        }
     }
 }

@@ -10,9 +10,8 @@
 mod handle;
 pub mod lock;
 pub mod message;
-mod remote;
 mod server;
 mod session;
 
-pub use remote::RemoteControl;
+pub use handle::RemoteControl;
 pub use server::{Device, Outgoing, Server};

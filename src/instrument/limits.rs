@@ -4,13 +4,7 @@
 
 use super::panel::Channel;
 use crate::scope::Model;
-use crate::scope::model::RANGE_END_FACTOR;
-
-/// The nearest of `choices` on a logarithmic scale, or `value` if there are none (unit).
-pub fn nearest(value: f64, choices: &[f64]) -> f64 {
-    let distance = |choice: &f64| if value > 0.0 { (choice / value).ln().abs() } else { *choice };
-    choices.iter().copied().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(value)
-}
+use crate::scope::model::{RANGE_END_FACTOR, nearest};
 
 /// A number to `digits` significant decimal digits, so that steps do not show the rounding of binary numbers (unit).
 pub fn rounded(value: f64, digits: usize) -> f64 {

@@ -11,10 +11,10 @@ mod table;
 pub use ring::{RingField, RingMagnet, Sphere, VACUUM_PERMEABILITY};
 pub use table::{ForceTable, TableError};
 
+use crate::numeric::roots::root;
+
 /// Places at which a law is looked at to find where it takes a force.
 const LAW_SAMPLES: u32 = 4000;
-/// Halvings of an interval in which a force is taken: to the last bit.
-const HALVINGS: usize = 60;
 
 /// Temperature of a magnet whose file tells none (K).
 const ROOM_TEMPERATURE: f64 = 293.15;
@@ -94,24 +94,10 @@ impl Magnet {
                 let (low, high) = (place(look), place(look + 1));
                 let (before, after) = (excess(low)?, excess(high)?);
                 let crosses = (before > 0.0) != (after > 0.0);
-                crosses.then(|| bisect(&|d| excess(d).unwrap_or(0.0), low, high))
+                crosses.then(|| root(&|d| excess(d).unwrap_or(0.0), [low, high], [before, after]))
             })
             .collect();
         found.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
         found
     }
-}
-
-/// Where `f` changes its sign between `low` and `high`.
-fn bisect(f: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
-    let low_is_positive = f(low) > 0.0;
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        if (f(middle) > 0.0) == low_is_positive {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    0.5 * (low + high)
 }

@@ -8,6 +8,7 @@
 use serde::Serialize;
 
 use super::arrivals::{ChannelArrivals, Survey};
+use crate::numeric::statistics::StraightLine;
 use crate::quantity::Uncertain;
 use crate::quantity::coverage::student_95;
 
@@ -126,15 +127,13 @@ fn add(
 
 fn completed(statistic: ShotStatistic, values: &[(f64, f64)]) -> ShotStatistic {
     let n = values.len() as f64;
-    let mean = |of: fn(&(f64, f64)) -> f64| values.iter().map(of).sum::<f64>() / n;
-    let (shot, value) = (mean(|v| v.0), mean(|v| v.1));
+    let weighted: Vec<(f64, f64, f64)> = values.iter().map(|(i, x)| (*i, *x, 1.0)).collect();
+    let line = StraightLine::through(&weighted);
+    let value = line.mean.1;
     let squares: f64 = values.iter().map(|(_, x)| (x - value).powi(2)).sum();
     let deviation = (values.len() > 1).then(|| (squares / (n - 1.0)).sqrt());
-    let spread: f64 = values.iter().map(|(i, _)| (i - shot).powi(2)).sum();
-    let slope = values.iter().map(|(i, x)| (i - shot) * (x - value)).sum::<f64>() / spread;
-    let left: f64 = values.iter().map(|(i, x)| (x - value - slope * (i - shot)).powi(2)).sum();
-    let trend = (values.len() > 2)
-        .then(|| Uncertain { value: slope, u: (left / (n - 2.0) / spread).sqrt() });
+    let trend =
+        (values.len() > 2).then(|| Uncertain { value: line.slope, u: line.slope_u(values.len()) });
     ShotStatistic {
         shots: values.len(),
         mean: value,

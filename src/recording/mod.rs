@@ -11,6 +11,9 @@ pub mod isf;
 pub mod mcap;
 pub mod set_file;
 pub mod tek_csv;
+pub mod true_signal;
+
+pub use true_signal::TrueSignal;
 
 use crate::scope::Waveform;
 use crate::trace::Trace;

@@ -1,7 +1,6 @@
 //! Results as text and pictures for people.
 
 mod arrivals;
-mod bands;
 pub mod calibration;
 pub mod calibration_design;
 pub mod certificate;
@@ -35,10 +34,10 @@ mod uncertainty;
 mod work_precision;
 
 pub use arrivals::arrivals;
-pub use bands::{bands, bands_curve};
 pub use chart::{chart, chart_over};
 pub use comparison::{comparison, comparison_facts, comparison_parts};
 pub use contents::{contents, contents_after, contents_before, contents_of};
+pub use dispersion::{bands, bands_curve};
 pub use effects::effects;
 pub use fit::{blind, fit, fit_parts};
 pub use forces::{force_curve, forces};

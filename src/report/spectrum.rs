@@ -3,7 +3,7 @@
 use super::plot::{Curve, braille};
 use super::table;
 use crate::analysis::dispersion::DiatomicChain;
-use crate::analysis::spectral_peak::SpectralPeak;
+use crate::analysis::spectrum::SpectralPeak;
 use crate::analysis::spectrum::Spectrum;
 use crate::quantity::engineering;
 

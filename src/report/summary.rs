@@ -1,8 +1,8 @@
 //! The summary of a run as a page of text.
 
 use super::table;
-use crate::experiment::energy::{EnergyLedger, TOLERABLE};
 use crate::experiment::outcome::ErrorEstimate;
+use crate::experiment::outcome::{EnergyLedger, TOLERABLE};
 use crate::experiment::outcome::{Reading, Speed, Summary};
 use crate::quantity::engineering;
 

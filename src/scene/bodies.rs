@@ -7,6 +7,7 @@ use std::f64::consts::PI;
 use super::library;
 use super::reader::{Bound, Problems, TableReader};
 use crate::chain::{Body, Chain, ChainError, ChainSpec, Elasticity, End};
+use crate::note::Note;
 use crate::quantity::{Dimension, engineering};
 
 /// Most particles a chain may have: a recording has a topic for each bead and each contact, and room for 65535.
@@ -21,7 +22,7 @@ pub struct Materials<'a> {
     problems: &'a Problems,
     own: BTreeMap<String, Option<Material>>,
     /// Masses that do not go with density and shape.
-    notes: RefCell<Vec<String>>,
+    notes: RefCell<Vec<Note>>,
 }
 
 /// The material of a body.
@@ -45,7 +46,7 @@ impl<'a> Materials<'a> {
     }
 
     /// Notes on masses that do not go with density and shape.
-    pub fn into_notes(self) -> Vec<String> {
+    pub fn into_notes(self) -> Vec<Note> {
         self.notes.into_inner()
     }
 
@@ -119,12 +120,15 @@ fn body(
     if let (Some(mass), Some(solid)) = (mass, solid)
         && !(1.0 / MAX_MASS_RATIO..=MAX_MASS_RATIO).contains(&(mass / solid))
     {
-        materials.notes.borrow_mut().push(format!(
+        let sentence = format!(
             "{name}: its mass of {} is {:.3} times that of its shape and its material's density ({}): check mass, diameter and material",
             engineering(1e3 * mass, "g", 3),
             mass / solid,
             engineering(1e3 * solid, "g", 3),
-        ));
+        );
+        let note = Note::new("mass_not_of_its_material", sentence).with("body", name);
+        let note = note.with("mass_kg", mass).with("solid_mass_kg", solid);
+        materials.notes.borrow_mut().push(note);
     }
     let Material { elasticity, yield_strength, .. } = material?;
     Some(Body { name: name.into(), mass: mass?, length, curvature, elasticity, yield_strength })

@@ -1,8 +1,8 @@
 //! The physics that a scene switches on: `[effects.<name>]`.
 
-use super::effect_table::effect;
 use super::losses::losses;
 use super::magnet_preload::magnet;
+use super::reader::effect;
 use super::reader::{Bound, TableReader};
 use super::sensors;
 use crate::chain::{EffectsSpec, Gravity, LinearisedContacts};

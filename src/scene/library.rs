@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use super::document::{Entry, Node, SourceLocation, Value};
+use super::files::Texts;
 use super::files::{read_text, shipped};
 use super::problem::{Problem, SceneError};
-use super::texts::Texts;
 use super::tree::{at, at_mut};
 use crate::data;
 

@@ -1,6 +1,6 @@
 //! Losses in the contacts: `[effects.dashpot]`, `[effects.kuwabara_kono]` and `[effects.power_law_loss]`.
 
-use super::effect_table::effect;
+use super::reader::effect;
 use super::reader::{Bound, TableReader};
 use crate::chain::{
     ContactOverride, Dashpot, EffectsSpec, EndOfContact, KuwabaraKono, LossSpec, PowerLawLoss,

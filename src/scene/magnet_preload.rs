@@ -2,8 +2,8 @@
 
 use super::bodies::last_particle;
 use super::document::Value;
-use super::effect_table::effect;
 use super::magnets;
+use super::reader::effect;
 use super::reader::{Bound, TableReader};
 use crate::chain::{EffectsSpec, MagnetForce, MagnetLaw, MagnetPreload, PlacedAt, PlacedMagnet};
 use crate::magnet::Magnet;

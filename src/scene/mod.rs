@@ -9,10 +9,8 @@ mod bodies;
 mod bound;
 mod distance;
 pub mod document;
-mod effect_table;
 mod effects;
 mod files;
-mod gain;
 pub mod grid;
 mod library;
 mod losses;
@@ -25,22 +23,21 @@ pub mod plates;
 pub mod problem;
 pub mod reader;
 mod sensors;
-mod series;
 mod shot;
-mod texts;
 mod tree;
 mod uncertainty;
 pub mod vary;
 
 pub use bench::load as input_load;
 pub use distance::{PlatePlace, Site, distance};
-pub use gain::gain_u;
+pub use files::{Texts, hexadecimal};
 pub use problem::{Problem, SceneError};
 pub use sensors::PlacedSensor;
-pub use texts::{Texts, hexadecimal};
+pub use sensors::gain_u;
 pub use uncertainty::{InputDistribution, SpreadAmount, UncertainInput};
 
 use crate::chain::{Chain, ChainSpec, End};
+use crate::note::Note;
 use crate::quantity::Dimension;
 use crate::scope::{Model, Setup};
 use crate::sensor::SensorTolerance;
@@ -90,7 +87,7 @@ pub struct Scene {
     /// Effects that are switched off where nothing would be seen of them (`state = "auto"`), as long as that is not decided.
     pub auto: Vec<&'static str>,
     /// Notes: masses that do not go with density and shape, decisions on effects.
-    pub decided: Vec<String>,
+    pub notes: Vec<Note>,
     /// How far the sensors' plates may be from their data; drawn from the seed.
     pub sensor_tolerance: Option<SensorTolerance>,
     /// What is not known exactly.
@@ -205,7 +202,7 @@ fn read(
         accuracy,
         seed,
         auto: moving.auto,
-        decided: moving.notes,
+        notes: moving.notes,
         sensor_tolerance: moving.sensor_tolerance,
         uncertainty,
     })
@@ -232,7 +229,7 @@ struct Moving<'a> {
     auto: Vec<&'static str>,
     initial_velocities: Vec<f64>,
     built: Option<(ChainSpec, Chain)>,
-    notes: Vec<String>,
+    notes: Vec<Note>,
 }
 
 fn moving<'a>(root: &TableReader<'a>, problems: &Problems) -> Moving<'a> {

@@ -1,10 +1,11 @@
 //! An oscilloscope's data file, `instruments/<model>.toml`: the limits that a front panel is checked against.
 
 use super::model;
+use super::model::{MAX_RECORD_LENGTH, series};
 use super::reader::{Bound, TableReader};
-use super::series::{MAX_RECORD_LENGTH, series};
 use crate::quantity::{Dimension, engineering};
 use crate::scope::Model;
+use crate::scope::model::nearest;
 /// Most events that a remote interface may keep.
 const MAX_QUEUE_LENGTH: u64 = 1000;
 /// A time base that puts fewer points than this on the scene's duration shows nothing of it (1).
@@ -171,10 +172,4 @@ fn ends(values: &[f64]) -> (f64, f64) {
 /// Whether `value` is one of `values`, to round-off.
 fn is_one_of(value: f64, values: &[f64]) -> bool {
     values.iter().any(|v| (value - v).abs() <= 1e-9 * v)
-}
-
-/// The one of `values` whose ratio to `value` is closest to one.
-fn nearest(value: f64, values: &[f64]) -> f64 {
-    let distance = |v: &f64| (v / value).ln().abs();
-    values.iter().copied().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(value)
 }

@@ -6,11 +6,12 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-pub use super::bound::Bound;
 use super::document::{Entries, Entry, Node, SourceLocation, Value};
 use super::problem::MISSING;
-pub use super::problem::Problems;
 use crate::quantity::{self, Dimension, QuantityError};
+
+pub use super::bound::Bound;
+pub use super::problem::Problems;
 
 /// What a quantity must be, with an example where there is one.
 fn expectation(dimension: Dimension, bound: Bound) -> String {
@@ -340,4 +341,15 @@ impl<'a> TableReader<'a> {
             self.problems.push(entry.key_place.problem(&path, found, expected.clone()));
         }
     }
+}
+
+/// The table of an effect; `false` in its place switches off what a base scene switched on.
+pub(super) fn effect<'a>(effects: &TableReader<'a>, name: &'static str) -> Option<TableReader<'a>> {
+    let node = effects.node(name)?;
+    if matches!(node.value, Value::Flag(false)) {
+        return None;
+    }
+    let table = effects.table(name)?;
+    let _ = table.node("state");
+    Some(table)
 }

@@ -1,11 +1,17 @@
 //! Sensors in their places: `[sensors.<name>]`.
+//!
+//! How well the gain of a scope's channel is known when its volts become newtons.
+//!
+//! A data sheet's limit `a` counts as a rectangular distribution, `u = a/sqrt(3)` (JCGM 100:2008, 4.3.7). A sensor that was calibrated with its
+//! channel as one chain carries that channel's gain: at the same channel and range nothing is added, elsewhere both gains count.
 
 use super::bodies::last_particle;
 use super::distance::{PlatePlace, Site};
 use super::plates::plate;
 use super::reader::{Bound, Problems, TableReader};
 use crate::quantity::Dimension;
-use crate::sensor::{Sensor, SensorTolerance};
+use crate::scope::{Model, VerticalSetup};
+use crate::sensor::{InChain, Sensor, SensorTolerance};
 
 /// Most sensors of a scene: each is a trace of the truth, and all of a run's traces are in memory at once.
 const MOST_SENSORS: usize = 1000;
@@ -166,4 +172,14 @@ fn site(table: &TableReader<'_>, hosts: &SensorHosts<'_>) -> Option<Site> {
 /// Names of the sensors as typed, those included that could not be read.
 pub fn sensor_names<'a>(root: &TableReader<'a>) -> Vec<&'a str> {
     root.tables("sensors").into_iter().map(|(name, _)| name).collect()
+}
+
+/// Relative standard uncertainty of the gain of channel `number`, set as `vertical`, for a sensor that was calibrated in `chain` (1).
+pub fn gain_u(model: &Model, number: u8, vertical: &VerticalSetup, chain: Option<InChain>) -> f64 {
+    let of = |scale: f64| model.accuracy.gain_at(scale / vertical.probe) / 3f64.sqrt();
+    match chain {
+        Some(chain) if chain.is(number, vertical.scale) => 0.0,
+        Some(chain) => of(vertical.scale).hypot(of(chain.range)),
+        None => of(vertical.scale),
+    }
 }

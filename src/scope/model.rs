@@ -109,6 +109,12 @@ pub struct Accuracy {
     pub input_offset: f64,
 }
 
+/// The nearest of `choices` on a logarithmic scale, or `value` if there are none (unit).
+pub fn nearest(value: f64, choices: &[f64]) -> f64 {
+    let distance = |choice: &f64| if value > 0.0 { (choice / value).ln().abs() } else { *choice };
+    choices.iter().copied().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(value)
+}
+
 /// Contacts last 20 us and more: their forces run straight over a microsecond to 0.2 % (s).
 const RESOLVED: f64 = 1e-6;
 /// Most samples of the signal for one of the converter's: what memory allows.

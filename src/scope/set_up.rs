@@ -5,7 +5,7 @@
 use std::fmt::Write as _;
 
 use super::setup::{Setup, Slope, TriggerMode};
-use super::waveform::Coupling;
+use super::waveform::{Coupling, PointFormat, Source, Waveform};
 
 /// A number as the instrument writes it (NR3): shortest mantissa with at least one decimal, `5.0E-1`, `1.0E0`.
 pub fn nr3(value: f64) -> String {
@@ -14,6 +14,30 @@ pub fn nr3(value: f64) -> String {
         Some((mantissa, exponent)) if !mantissa.contains('.') => format!("{mantissa}.0E{exponent}"),
         _ => text,
     }
+}
+
+/// What a waveform is in words, `WFId`: `Ch1, DC coupling, 5.0E-1 V/div, 5.0E-2 s/div, 2500 points, Sample mode`; a coupling that is not known
+/// is left out. `number` writes scales, `mode` is how samples were taken.
+pub fn waveform_id(waveform: &Waveform, number: fn(f64) -> String, mode: &str) -> String {
+    let name = match waveform.source {
+        Source::Channel(number) => format!("Ch{number}"),
+        Source::Math => "Math".to_owned(),
+        Source::Reference(letter) => format!("Ref{letter}"),
+    };
+    let coupling = waveform.vertical.coupling.map(|c| format!(", {c} coupling"));
+    let mode = match waveform.preamble.pt_fmt {
+        PointFormat::Envelope => "Peak Detect",
+        PointFormat::Sample => mode,
+    };
+    format!(
+        "{name}{}, {} {}/div, {} {}/div, {} points, {mode} mode",
+        coupling.unwrap_or_default(),
+        number(waveform.vertical.scale),
+        waveform.preamble.y_unit,
+        number(waveform.horizontal_scale),
+        waveform.preamble.x_unit,
+        waveform.codes.len(),
+    )
 }
 
 /// The settings that this program models, in the order of a `.SET` file.

@@ -1,7 +1,7 @@
 //! Reads the arguments of a command as what it takes.
 
 use super::message::Argument;
-use super::number;
+use super::value;
 use crate::instrument::Event;
 use crate::instrument::word::{Word, words};
 
@@ -63,7 +63,7 @@ pub fn flag(arguments: &[Argument]) -> Result<bool, Event> {
 /// For another count of arguments, and for what is no number.
 pub fn real(arguments: &[Argument]) -> Result<f64, Event> {
     match only(arguments)? {
-        Argument::Word(typed) => number::parse(typed).ok_or(Event::DataType),
+        Argument::Word(typed) => value::parse(typed).ok_or(Event::DataType),
         Argument::Text(_) | Argument::Block(_) => Err(Event::DataType),
     }
 }

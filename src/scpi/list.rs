@@ -50,11 +50,10 @@ pub fn markdown() -> String {
 }
 
 fn write_row(row: &CommandRow, text: &mut String) {
-    let access = row.setting.access();
     let (directions, here, about) = match row.support {
         Support::Alias(of) => ("", "alias", format!("as `{of}`")),
         standing => {
-            let directions = match (access.sets, access.asks) {
+            let directions = match (row.setting.set.is_some(), row.setting.answers()) {
                 (true, true) => "set, query",
                 (true, false) => "set",
                 _ => "query",

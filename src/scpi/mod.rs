@@ -14,9 +14,7 @@ pub mod command;
 pub mod input;
 pub mod list;
 pub mod message;
-pub mod number;
 mod placeholder;
-pub mod preferences;
 pub mod reply;
 pub mod row;
 pub mod session;
@@ -24,5 +22,5 @@ pub mod setting;
 pub mod tree;
 pub mod value;
 
-pub use preferences::{Preferences, Terminator};
+pub use reply::{Preferences, Terminator};
 pub use session::{MAXIMUM_REPLY, Reply, Session, TranscriptLine};

@@ -22,7 +22,7 @@ pub struct CommandRow {
     /// Header as in the manual: short forms in capitals, `<x>` for a number, `<wfm>` for a waveform.
     pub header: &'static str,
     /// The setting behind the command.
-    pub setting: &'static dyn Setting,
+    pub setting: Setting,
     /// How far it is supported.
     pub support: Support,
     /// Whether queries of the group that it is in tell it.
@@ -32,46 +32,39 @@ pub struct CommandRow {
 }
 
 impl CommandRow {
-    /// A command that does what the manual says.
-    pub const fn acts(
+    const fn new(
+        support: Support,
         header: &'static str,
-        setting: &'static dyn Setting,
+        setting: Setting,
         about: &'static str,
     ) -> Self {
-        Self { header, setting, support: Support::Implemented, in_group: true, about }
+        let in_group = !matches!(support, Support::Unsupported | Support::Alias(_));
+        Self { header, setting, support, in_group, about }
+    }
+
+    /// A command that does what the manual says.
+    pub const fn acts(header: &'static str, setting: Setting, about: &'static str) -> Self {
+        Self::new(Support::Implemented, header, setting, about)
     }
 
     /// A command that acts and that no real oscilloscope has.
-    pub const fn own(
-        header: &'static str,
-        setting: &'static dyn Setting,
-        about: &'static str,
-    ) -> Self {
-        Self { header, setting, support: Support::Extension, in_group: true, about }
+    pub const fn own(header: &'static str, setting: Setting, about: &'static str) -> Self {
+        Self::new(Support::Extension, header, setting, about)
     }
 
     /// A command that is kept and told.
-    pub const fn accepted(
-        header: &'static str,
-        setting: &'static dyn Setting,
-        about: &'static str,
-    ) -> Self {
-        Self { header, setting, support: Support::Stub, in_group: true, about }
+    pub const fn accepted(header: &'static str, setting: Setting, about: &'static str) -> Self {
+        Self::new(Support::Stub, header, setting, about)
     }
 
     /// A command that is refused.
-    pub const fn refused(
-        header: &'static str,
-        setting: &'static dyn Setting,
-        about: &'static str,
-    ) -> Self {
-        Self { header, setting, support: Support::Unsupported, in_group: false, about }
+    pub const fn refused(header: &'static str, setting: Setting, about: &'static str) -> Self {
+        Self::new(Support::Unsupported, header, setting, about)
     }
 
     /// Another spelling of the row `of`.
     pub const fn alias(header: &'static str, of: &'static str) -> Self {
-        let setting = &super::setting::Nothing;
-        Self { header, setting, support: Support::Alias(of), in_group: false, about: "" }
+        Self::new(Support::Alias(of), header, Setting::NONE, "")
     }
 
     /// The same, left out when its group is asked for.

@@ -5,8 +5,8 @@ use std::collections::VecDeque;
 use super::argument::none;
 use super::input::{InputBuffer, InputPiece, MAXIMUM_BYTES};
 use super::message::{MessageUnit, units};
-use super::preferences::Preferences;
 use super::reply;
+use super::reply::Preferences;
 use super::setting::{Context, Stop};
 use super::tree;
 use crate::instrument::{Event, Instrument};
@@ -275,7 +275,7 @@ impl Session {
             raw: &mut progress.raw,
         };
         if !unit.is_query {
-            found.row.setting.set(&mut at, &unit.arguments)?;
+            found.row.setting.set.ok_or(Event::UndefinedHeader)?(&mut at, &unit.arguments)?;
             at.instrument.keep_consistent();
             if progress.raw.len() > MAXIMUM_REPLY {
                 progress.raw.clear();

@@ -120,15 +120,15 @@ fn collect(
 ) -> Result<(), Stop> {
     at.place = found.place;
     let depth = depth.checked_sub(1).ok_or(Event::UndefinedHeader)?;
-    match found.row.setting.parts() {
+    match found.row.setting.parts {
         None => {
-            let value = found.row.setting.get(at)?;
+            let value = found.row.setting.get.ok_or(Event::UndefinedHeader)?(at)?;
             let nodes = found.row.nodes().map(|node| filled(node, found.place)).collect();
             answers.push(ResponseUnit { nodes, value });
         }
         Some(Parts::Below) => {
             for row in rows().filter(|row| row.in_group && is_below(row, found.row)) {
-                if row.setting.access().asks && row.setting.parts().is_none() {
+                if row.setting.get.is_some() {
                     collect(MatchedRow { row, place: found.place }, at, depth, answers)?;
                 }
             }
@@ -150,7 +150,7 @@ fn collect(
 fn parts() -> &'static BTreeMap<&'static str, MatchedRow> {
     static PARTS: OnceLock<BTreeMap<&'static str, MatchedRow>> = OnceLock::new();
     PARTS.get_or_init(|| {
-        let named = rows().filter_map(|row| match row.setting.parts() {
+        let named = rows().filter_map(|row| match row.setting.parts {
             Some(Parts::Of(headers)) => Some(headers),
             _ => None,
         });

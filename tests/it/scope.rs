@@ -89,7 +89,7 @@ fn what_leaves_the_converter_is_clipped_and_told() {
             .summary
             .notes
             .iter()
-            .any(|note| note.starts_with("CH2") && note.contains("clipped"))
+            .any(|note| note.sentence.starts_with("CH2") && note.sentence.contains("clipped"))
     );
 }
 
@@ -115,7 +115,7 @@ fn triggers_fall_wait_and_give_up() {
     assert!(source.volts(250).expect("a point") <= -0.28);
     let waiting = with("[scope.trigger]\nlevel = \"5 V\"\n");
     assert!(!waiting.summary.trigger.recorded && waiting.shot.captures.is_empty());
-    assert!(waiting.summary.notes.iter().any(|note| note.contains("not triggered")));
+    assert!(waiting.summary.notes.iter().any(|note| note.sentence.contains("not triggered")));
     let automatic = with("[scope.trigger]\nlevel = \"5 V\"\nmode = \"auto\"\n");
     assert!(automatic.summary.trigger.recorded && !automatic.summary.trigger.crossed);
     assert_eq!(automatic.shot.captures.len(), 4);

@@ -6,6 +6,7 @@ use super::model::{Common, InputKind, MeasurementEquation, StrikerMotion};
 use super::{
     Calibration, Draws, Exclusion, ImpactResult, NonLinearity, PlannedStrike, monte_carlo,
 };
+use crate::numeric::statistics::StraightLine;
 
 /// Impacts that a calibration should have, and levels of force among them.
 pub const RECOMMENDED_COUNTS: (usize, usize) = (5, 3);
@@ -116,19 +117,11 @@ fn nonlinearity(model: &MeasurementEquation, peaks: &[f64], shape: f64) -> Optio
     }
     let points: Vec<(f64, f64, f64)> =
         peaks.iter().zip(model.each()).map(|(p, (s, u))| (*p, s, u.powi(-2))).collect();
-    let weight: f64 = points.iter().map(|(_, _, w)| w).sum();
-    let mean = |f: &dyn Fn(&(f64, f64, f64)) -> f64| {
-        points.iter().map(|point| point.2 * f(point)).sum::<f64>() / weight
-    };
-    let (force, sensitivity) = (mean(&|p| p.0), mean(&|p| p.1));
-    let spread: f64 = points.iter().map(|(p, _, w)| w * (p - force).powi(2)).sum();
-    let together: f64 = points.iter().map(|(p, s, w)| w * (p - force) * (s - sensitivity)).sum();
+    let StraightLine { mean: (force, _), slope, spread, residual } = StraightLine::through(&points);
     let low = peaks.iter().copied().fold(f64::INFINITY, f64::min);
     let high = peaks.iter().copied().fold(0.0, f64::max);
-    let slope = together / spread;
-    let squares = |(p, s, w): &(f64, f64, f64)| w * (s - sensitivity - slope * (p - force)).powi(2);
     let freedom = (points.len() - 2) as f64;
-    let scatter = (points.iter().map(squares).sum::<f64>() / freedom).sqrt().max(1.0);
+    let scatter = (residual / freedom).sqrt().max(1.0);
     let whole = model.sensitivity();
     Some(NonLinearity {
         change: slope * (high - low) / whole,

@@ -11,7 +11,6 @@
 mod assemble;
 pub mod budget;
 mod data;
-mod draws;
 mod exclusion;
 pub mod impact;
 mod inputs;
@@ -22,12 +21,13 @@ mod record;
 mod tail;
 
 pub use data::{Calibration, CalibrationError, ImpactResult, NonLinearity, PlannedStrike};
-pub use draws::Draws;
 pub use exclusion::Exclusion;
+pub use monte_carlo::Draws;
 
 use self::assemble::assemble;
 use self::impact::Impact;
 use self::model::{Common, MeasurementEquation};
+use crate::numeric::statistics::median;
 
 /// An impact this many standard uncertainties away from the others is left out (1).
 pub const OUTLIER_DEVIATIONS: f64 = 5.0;
@@ -98,14 +98,4 @@ fn outlier(model: &MeasurementEquation) -> Option<(usize, f64)> {
     let times = |(s, u): &(f64, f64)| (s - middle).abs() / u.max(scatter);
     let all = values.iter().map(times).enumerate();
     all.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, times)| *times > OUTLIER_DEVIATIONS)
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    match (values.get(middle.wrapping_sub(1)), values.get(middle)) {
-        (Some(below), Some(above)) if values.len().is_multiple_of(2) => 0.5 * (below + above),
-        (_, Some(value)) => *value,
-        _ => 0.0,
-    }
 }

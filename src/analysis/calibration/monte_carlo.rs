@@ -8,7 +8,6 @@
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
-use super::draws::Draws;
 use super::model::MeasurementEquation;
 use crate::quantity::coverage::NORMAL_95;
 
@@ -82,4 +81,13 @@ pub fn run(model: &MeasurementEquation, draws: Draws) -> Option<MonteCarlo> {
         difference,
         agrees,
     })
+}
+
+/// How the Monte-Carlo part is done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Draws {
+    /// Seed.
+    pub seed: u64,
+    /// Number of draws; 0 leaves the Monte-Carlo part out.
+    pub count: usize,
 }

@@ -2,8 +2,8 @@
 
 use super::{PEAK_SHARE, PassedOver, Peak, PulseRecorder};
 use crate::chain::probe_step::SAMPLE_TIMES;
-use crate::experiment::roots::root;
 use crate::experiment::segment::Rise;
+use crate::numeric::roots::root;
 
 impl PulseRecorder {
     /// A copy that takes up no more memory than its readings need: of many that are kept, most would be empty.

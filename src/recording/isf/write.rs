@@ -3,8 +3,8 @@
 
 use super::error::IsfError;
 use crate::recording::Capture;
-use crate::scope::set_up::nr3;
-use crate::scope::{PointFormat, Source, Waveform};
+use crate::scope::Waveform;
+use crate::scope::set_up::{nr3, waveform_id};
 
 /// Bytes for each level: `DATa:WIDth`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,7 +55,7 @@ fn preamble(waveform: &Waveform, bytes: u8, factor: f64) -> String {
          XINCR {};PT_OFF {};XZERO {};XUNIT \"{}\";YMULT {};YZERO {};YOFF {};YUNIT \"{y_unit}\"",
         8 * bytes,
         waveform.codes.len(),
-        name(waveform),
+        waveform_id(waveform, nr3, "Sample"),
         preamble.pt_fmt,
         number(preamble.x_incr),
         preamble.pt_off,
@@ -64,30 +64,6 @@ fn preamble(waveform: &Waveform, bytes: u8, factor: f64) -> String {
         number(preamble.y_mult / factor),
         number(preamble.y_zero),
         number(preamble.y_off * factor),
-    )
-}
-
-/// `WFID`; a coupling that is not known is left out.
-fn name(waveform: &Waveform) -> String {
-    let preamble = &waveform.preamble;
-    let source = match waveform.source {
-        Source::Channel(number) => format!("Ch{number}"),
-        Source::Math => "Math".to_owned(),
-        Source::Reference(letter) => format!("Ref{letter}"),
-    };
-    let coupling =
-        waveform.vertical.coupling.map(|c| format!(", {c} coupling")).unwrap_or_default();
-    let mode = match preamble.pt_fmt {
-        PointFormat::Sample => "Sample",
-        PointFormat::Envelope => "Peak Detect",
-    };
-    format!(
-        "{source}{coupling}, {} {}/div, {} {}/div, {} points, {mode} mode",
-        nr3(waveform.vertical.scale),
-        preamble.y_unit,
-        nr3(waveform.horizontal_scale),
-        preamble.x_unit,
-        waveform.codes.len(),
     )
 }
 

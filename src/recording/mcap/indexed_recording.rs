@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use super::container::{self, MAGIC, McapRecord, RECORD_HEADER_BYTES};
 use super::error::ReadError;
-use super::notes::ShotNotes;
+use super::message::ShotNotes;
 use super::read::{MAX_UNPACKED_BYTES, Reader};
 use crate::recording::{Direction, ScpiLine, Shot, TraceSet};
 

@@ -251,3 +251,14 @@ pub fn timestamp(nanoseconds: u64) -> Timestamp {
         nanos: i32::try_from(nanoseconds % BILLION).unwrap_or(0),
     }
 }
+
+/// Records of a shot beside its captures and truth.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ShotNotes {
+    /// The front panel as `SET?` would tell it.
+    pub set_up: String,
+    /// The energy ledger, of a simulation.
+    pub energy: Option<EnergyMessage>,
+    /// Lines for people; `true` marks a warning.
+    pub log: Vec<(bool, String)>,
+}

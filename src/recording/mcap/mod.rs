@@ -10,12 +10,11 @@ mod encode;
 mod error;
 pub mod indexed_recording;
 pub mod message;
-mod notes;
 mod read;
 mod schema;
 mod write;
 
 pub use error::ReadError;
-pub use notes::ShotNotes;
+pub use message::ShotNotes;
 pub use read::{read, read_bytes};
 pub use write::{RecordingWriter, WriteError, write, write_numbered};

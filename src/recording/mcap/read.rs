@@ -10,7 +10,7 @@ use super::container::{self, MAGIC, McapRecord};
 use super::decode;
 use super::error::{LARGEST_FILE, ReadError};
 use super::message;
-use super::notes::ShotNotes;
+use super::message::ShotNotes;
 use super::schema::Schema;
 use crate::recording::{Attachment, Origin, Shot, TraceSet};
 

@@ -1,4 +1,4 @@
-//! The descriptors by which other readers decode the messages of a recording.
+//! The descriptors by which other readers decode the messages of a recording, made from `hertzscope.proto` and `foxglove.proto`.
 
 use prost::Message as _;
 use prost_types::field_descriptor_proto::{Label, Type};
@@ -7,90 +7,10 @@ use prost_types::{
     FileDescriptorProto, FileDescriptorSet,
 };
 
-/// Name, type, cardinality. Fields are numbered in order from 1.
-type Field = (&'static str, Type, Label);
-
-/// proto3 calls every single field optional.
-const SINGLE: Label = Label::Optional;
-const TIMESTAMP: Field = ("timestamp", Type::Message, SINGLE);
-
-const CAPTURE: [Field; 27] = [
-    TIMESTAMP,
-    ("shot", Type::Uint32, SINGLE),
-    ("source", Type::String, SINGLE),
-    ("t0_s", Type::Double, SINGLE),
-    ("dt_s", Type::Double, SINGLE),
-    ("y_mult", Type::Double, SINGLE),
-    ("y_off", Type::Double, SINGLE),
-    ("y_zero", Type::Double, SINGLE),
-    ("unit", Type::String, SINGLE),
-    ("codes", Type::Bytes, SINGLE),
-    ("volts", Type::Float, Label::Repeated),
-    ("origin", Type::String, SINGLE),
-    ("trigger_point", Type::Double, SINGLE),
-    ("vertical_scale", Type::Double, SINGLE),
-    ("horizontal_scale", Type::Double, SINGLE),
-    ("position_div", Type::Double, SINGLE),
-    ("probe", Type::Double, SINGLE),
-    ("coupling", Type::String, SINGLE),
-    ("bandwidth_limited", Type::Bool, SINGLE),
-    ("inverted", Type::Bool, SINGLE),
-    ("model", Type::String, SINGLE),
-    ("serial", Type::String, SINGLE),
-    ("firmware", Type::String, SINGLE),
-    ("point_format", Type::String, SINGLE),
-    ("x_unit", Type::String, SINGLE),
-    ("trigger_time_s", Type::Double, SINGLE),
-    ("notes", Type::String, Label::Repeated),
-];
-
-const SETUP: [Field; 3] =
-    [TIMESTAMP, ("shot", Type::Uint32, SINGLE), ("set", Type::String, SINGLE)];
-
-const SERIES: [Field; 7] = [
-    TIMESTAMP,
-    ("shot", Type::Uint32, SINGLE),
-    ("name", Type::String, SINGLE),
-    ("unit", Type::String, SINGLE),
-    ("t0_s", Type::Double, SINGLE),
-    ("dt_s", Type::Double, SINGLE),
-    ("values", Type::Double, Label::Repeated),
-];
-
-const ENERGY: [Field; 15] = [
-    TIMESTAMP,
-    ("shot", Type::Uint32, SINGLE),
-    ("initial_j", Type::Double, SINGLE),
-    ("final_j", Type::Double, SINGLE),
-    ("dissipated_j", Type::Double, SINGLE),
-    ("drift", Type::Double, SINGLE),
-    ("kinetic_j", Type::Double, SINGLE),
-    ("elastic_j", Type::Double, SINGLE),
-    ("gravity_j", Type::Double, SINGLE),
-    ("magnet_j", Type::Double, SINGLE),
-    ("end_forces_j", Type::Double, SINGLE),
-    ("dashpot_j", Type::Double, SINGLE),
-    ("kuwabara_kono_j", Type::Double, SINGLE),
-    ("power_law_loss_j", Type::Double, SINGLE),
-    ("left_in_contacts_j", Type::Double, SINGLE),
-];
-
-const LOG: [Field; 6] = [
-    TIMESTAMP,
-    ("level", Type::Enum, SINGLE),
-    ("message", Type::String, SINGLE),
-    ("name", Type::String, SINGLE),
-    ("file", Type::String, SINGLE),
-    ("line", Type::Fixed32, SINGLE),
-];
-
-const SCPI_LINE: [Field; 5] = [
-    TIMESTAMP,
-    ("peer", Type::String, SINGLE),
-    ("direction", Type::String, SINGLE),
-    ("text", Type::String, SINGLE),
-    ("bytes", Type::Bytes, SINGLE),
-];
+/// The messages, as users compile them.
+const MESSAGES: &str = include_str!("hertzscope.proto");
+/// Foxglove's log.
+const FOXGLOVE: &str = include_str!("foxglove.proto");
 
 /// The kinds of messages, by the names of their schemas.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -126,36 +46,17 @@ impl Schema {
         }
     }
 
-    fn fields(self) -> &'static [Field] {
-        match self {
-            Self::Capture => &CAPTURE,
-            Self::Setup => &SETUP,
-            Self::Series => &SERIES,
-            Self::Energy => &ENERGY,
-            Self::Log => &LOG,
-            Self::ScpiLine => &SCPI_LINE,
-        }
-    }
-
     /// The serialised `FileDescriptorSet` by which any protobuf reader decodes this message.
     pub fn descriptor(self) -> Vec<u8> {
         let (package, message) = self.name().split_once('.').unwrap_or(("", self.name()));
-        let field = |(number, (name, kind, label)): (i32, &Field)| FieldDescriptorProto {
-            name: Some((*name).to_owned()),
-            number: Some(number),
-            label: Some((*label).into()),
-            r#type: Some((*kind).into()),
-            type_name: match kind {
-                Type::Message => Some(".google.protobuf.Timestamp".to_owned()),
-                Type::Enum => Some(".foxglove.Log.Level".to_owned()),
-                _ => None,
-            },
-            ..Default::default()
-        };
+        let source = if self == Self::Log { FOXGLOVE } else { MESSAGES };
+        let body =
+            source.split_once(&format!("message {message} {{\n")).map_or("", |(_, body)| body);
+        let body = body.split_once("\n}").map_or(body, |(body, _)| body);
         let descriptor = DescriptorProto {
             name: Some(message.to_owned()),
-            field: (1..).zip(self.fields()).map(field).collect(),
-            enum_type: if self == Self::Log { vec![log_level()] } else { Vec::new() },
+            field: body.lines().filter_map(field).collect(),
+            enum_type: if self == Self::Log { vec![log_level(body)] } else { Vec::new() },
             ..Default::default()
         };
         let file = FileDescriptorProto {
@@ -170,16 +71,47 @@ impl Schema {
     }
 }
 
-fn log_level() -> EnumDescriptorProto {
-    let names = ["UNKNOWN", "DEBUG", "INFO", "WARNING", "ERROR", "FATAL"];
-    let value = |(number, name): (i32, &&str)| EnumValueDescriptorProto {
-        name: Some((*name).to_owned()),
-        number: Some(number),
+/// A field's line, `  repeated float volts = 11;  // ...`; none for other lines.
+fn field(line: &str) -> Option<FieldDescriptorProto> {
+    let words: Vec<&str> = line.strip_prefix("  ")?.split(';').next()?.split(' ').collect();
+    let (label, words) = match *words {
+        ["repeated", ref rest @ ..] => (Label::Repeated, rest),
+        ref all => (Label::Optional, all),
+    };
+    let [kind, name, "=", number] = *words else { return None };
+    let (kind, type_name) = match kind {
+        "double" => (Type::Double, None),
+        "float" => (Type::Float, None),
+        "uint32" => (Type::Uint32, None),
+        "fixed32" => (Type::Fixed32, None),
+        "bool" => (Type::Bool, None),
+        "string" => (Type::String, None),
+        "bytes" => (Type::Bytes, None),
+        "Level" => (Type::Enum, Some(".foxglove.Log.Level".to_owned())),
+        "google.protobuf.Timestamp" => (Type::Message, Some(format!(".{kind}"))),
+        _ => return None,
+    };
+    Some(FieldDescriptorProto {
+        name: Some(name.to_owned()),
+        number: number.parse().ok(),
+        // proto3 calls every single field optional.
+        label: Some(label.into()),
+        r#type: Some(kind.into()),
+        type_name,
         ..Default::default()
+    })
+}
+
+/// The levels in a log's body, `    DEBUG = 1;`.
+fn log_level(body: &str) -> EnumDescriptorProto {
+    let value = |line: &str| {
+        let (name, number) = line.strip_prefix("    ")?.strip_suffix(';')?.split_once(" = ")?;
+        let (name, number) = (Some(name.to_owned()), number.parse().ok());
+        Some(EnumValueDescriptorProto { name, number, ..Default::default() })
     };
     EnumDescriptorProto {
         name: Some("Level".to_owned()),
-        value: (0..).zip(&names).map(value).collect(),
+        value: body.lines().filter_map(value).collect(),
         ..Default::default()
     }
 }

@@ -1,6 +1,6 @@
 //! Writes recordings so that an abort loses nothing already triggered, and the same seed gives the same bytes.
 
-use super::notes::ShotNotes;
+use super::message::ShotNotes;
 use std::collections::BTreeMap;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use super::encode::{capture_message, line_message, series_message};
 use super::message::{self, timestamp};
 use super::schema::Schema;
 use crate::files::{LiveFile, NewFile, Output};
-use crate::recording::{Attachment, ScpiLine, Shot, TraceSet};
+use crate::recording::{Attachment, ScpiLine, Shot, TraceSet, true_signal};
 
 /// Profile that the file's header names.
 pub const PROFILE: &str = "hertzscope";
@@ -182,9 +182,8 @@ impl RecordingWriter {
             self.message(&topic, Schema::Capture, at, &message.encode_to_vec())?;
         }
         for trace in &shot.truth {
-            let (topic, _) = trace.name.split_once(": ").unwrap_or((&trace.name, ""));
             let message = series_message(shot, trace);
-            let topic = format!("/truth/{topic}");
+            let topic = format!("/truth/{}", true_signal::topic(trace));
             self.message(&topic, Schema::Series, at, &message.encode_to_vec())?;
         }
         if let Some(energy) = &notes.energy {

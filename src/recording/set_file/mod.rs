@@ -8,11 +8,7 @@
 //! Tektronix programmer manual 071-1075, `SET?`; the project's fact sheet on the TDS2000 family, section 2.7, with
 //! files of two firmwares. `trigger point = 1250 - horizontal position / sample interval`.
 
-mod error;
-
 use std::fmt::Write as _;
-
-pub use error::SetFileError;
 
 use super::Capture;
 use super::command_text::{command, path, unquoted};
@@ -262,4 +258,39 @@ fn is_value(text: &str) -> bool {
 fn excerpt(bytes: &[u8]) -> String {
     const LONGEST: usize = 40;
     bytes.get(..bytes.len().min(LONGEST)).unwrap_or_default().escape_ascii().to_string()
+}
+
+/// Why a file is no `.SET` file.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum SetFileError {
+    /// The file is larger than any of this format.
+    #[error("{file}: found {found} bytes, expected at most {limit}")]
+    TooLarge {
+        /// The file's name.
+        file: String,
+        /// Its size in bytes.
+        found: usize,
+        /// The largest size that is read, in bytes.
+        limit: usize,
+    },
+    /// Not a setting.
+    #[error(
+        "{file}, line {line}, byte {offset}: found `{found}`, expected a setting such as `:CH1:SCALE 1.0E0`"
+    )]
+    NoSetting {
+        /// The file's name.
+        file: String,
+        /// Line, counted from 1.
+        line: usize,
+        /// Where in the file, counted from 0.
+        offset: usize,
+        /// The text found.
+        found: String,
+    },
+    /// Not one setting.
+    #[error("{file}: found no setting, expected at least one, such as `:CH1:SCALE 1.0E0`")]
+    Empty {
+        /// The file's name.
+        file: String,
+    },
 }

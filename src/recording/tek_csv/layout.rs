@@ -71,6 +71,36 @@ pub(super) const MODEL: &str = "Model Number";
 pub(super) const SERIAL: &str = "Serial Number";
 pub(super) const FIRMWARE: &str = "Firmware Version";
 
+/// Keys of the header rows.
+const KEYS: [&str; 18] = [
+    RECORD_LENGTH,
+    SAMPLE_INTERVAL,
+    TRIGGER_POINT,
+    "",
+    "",
+    "",
+    SOURCE,
+    VERTICAL_UNITS,
+    VERTICAL_SCALE,
+    VERTICAL_OFFSET,
+    HORIZONTAL_UNITS,
+    HORIZONTAL_SCALE,
+    POINT_FORMAT,
+    Y_ZERO,
+    PROBE,
+    MODEL,
+    SERIAL,
+    FIRMWARE,
+];
+
+/// Keys of the old header rows: without model and serial number.
+const OLD_KEYS: [&str; 16] = {
+    let mut keys = [FIRMWARE; 16];
+    let (same, _) = keys.split_at_mut(15);
+    same.copy_from_slice(KEYS.split_at(15).0);
+    keys
+};
+
 /// Which header rows a file has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum HeaderLayout {
@@ -84,53 +114,14 @@ impl HeaderLayout {
     /// The keys of the header rows from row 1 on; empty for a row without one.
     pub(super) fn keys(self) -> &'static [&'static str] {
         match self {
-            Self::Named => &[
-                RECORD_LENGTH,
-                SAMPLE_INTERVAL,
-                TRIGGER_POINT,
-                "",
-                "",
-                "",
-                SOURCE,
-                VERTICAL_UNITS,
-                VERTICAL_SCALE,
-                VERTICAL_OFFSET,
-                HORIZONTAL_UNITS,
-                HORIZONTAL_SCALE,
-                POINT_FORMAT,
-                Y_ZERO,
-                PROBE,
-                MODEL,
-                SERIAL,
-                FIRMWARE,
-            ],
-            Self::Old => &[
-                RECORD_LENGTH,
-                SAMPLE_INTERVAL,
-                TRIGGER_POINT,
-                "",
-                "",
-                "",
-                SOURCE,
-                VERTICAL_UNITS,
-                VERTICAL_SCALE,
-                VERTICAL_OFFSET,
-                HORIZONTAL_UNITS,
-                HORIZONTAL_SCALE,
-                POINT_FORMAT,
-                Y_ZERO,
-                PROBE,
-                FIRMWARE,
-            ],
+            Self::Named => &KEYS,
+            Self::Old => &OLD_KEYS,
         }
     }
 
     /// How many rows carry the header.
     pub(super) fn rows(self) -> u32 {
-        match self {
-            Self::Named => 18,
-            Self::Old => 16,
-        }
+        self.keys().len() as u32
     }
 }
 

@@ -12,7 +12,7 @@ use super::error::{TekCsvError, excerpt};
 use super::header::{CsvHeader, HeaderRow};
 use super::layout::{Domain, Numbers, PRINTING_ERROR};
 use super::text::{DecodedText, decode};
-use super::{openchoice, spreadsheet, table};
+use super::{header_columns, table};
 use crate::recording::Capture;
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 use crate::scope::{Preamble, VerticalSetup, Waveform};
@@ -69,8 +69,8 @@ pub fn read_columns(
     let mut captures = match detection::foreign(&table) {
         _ if !columns.is_empty() || !beside => table::read(&table, columns)?,
         None => vec![native(&text, file_name)?],
-        Some(Dialect::OpenChoice) => openchoice::read(&table)?,
-        Some(_) => spreadsheet::read(&table)?,
+        Some(Dialect::OpenChoice) => header_columns::read_openchoice(&table)?,
+        Some(_) => header_columns::read_spreadsheet(&table)?,
     };
     for capture in &mut captures {
         capture.notes.extend(notes.iter().cloned());

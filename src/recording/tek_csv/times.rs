@@ -9,6 +9,7 @@
 
 use super::column::{SampleColumn, rounded};
 use super::error::TekCsvError;
+use crate::numeric::statistics::median;
 use crate::quantity::engineering;
 
 /// How much of an interval a time near zero may be off, if times elsewhere are as coarse.
@@ -321,9 +322,4 @@ fn simplest(low: f64, high: f64, best: f64) -> f64 {
     let candidates = (1..=MAX_DIGITS).map(|digits| rounded(middle, digits));
     let mut inside = candidates.filter(|interval| (low..=high).contains(interval));
     inside.next().unwrap_or(middle)
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or_default()
 }

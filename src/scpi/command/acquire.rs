@@ -4,7 +4,7 @@ use crate::instrument::word::words;
 use crate::scpi::argument::{real, whole, word};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{CommandRow, Group};
-use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Query, Stop, WordSetting};
+use crate::scpi::setting::{Context, Parts, Stop, both, group, query, word};
 use crate::scpi::value::ReplyValue;
 
 words! {
@@ -25,30 +25,30 @@ words! {
 pub const GROUP: Group = Group {
     title: "Acquisition",
     rows: &[
-        CommandRow::acts("ACQuire", &GroupQuery(Parts::Below), "all settings of the acquisition"),
+        CommandRow::acts("ACQuire", group(Parts::Below), "all settings of the acquisition"),
         CommandRow::acts(
             "ACQuire:STOPAfter",
-            &WordSetting(|i, _| &mut i.panel.acquire.stop_after),
+            word!(|at| at.instrument.panel.acquire.stop_after),
             "`RUNSTop` or `SEQuence`",
         ),
         CommandRow::acts(
             "ACQuire:STATE",
-            &Both(set_state, state),
+            both(set_state, state),
             "`ON`, `OFF`, `RUN`, `STOP` or a number",
         ),
         CommandRow::acts(
             "ACQuire:MODe",
-            &WordSetting(|i, _| &mut i.panel.acquire.mode),
+            word!(|at| at.instrument.panel.acquire.mode),
             "`SAMple`, `PEAKdetect` or `AVErage`",
         ),
         CommandRow::acts(
             "ACQuire:NUMAVg",
-            &Both(set_averages, averages),
+            both(set_averages, averages),
             "4, 16, 64 or 128 records",
         ),
         CommandRow::acts(
             "ACQuire:NUMACq",
-            &Query(count),
+            query(count),
             "records taken since the start, 0 in scan mode",
         )
         .apart(),
@@ -81,9 +81,9 @@ fn set_averages(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop
 }
 
 fn averages(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
-    Ok(ReplyValue::Integer(i64::from(at.instrument.panel.acquire.averages)))
+    Ok(ReplyValue::integer(at.instrument.panel.acquire.averages))
 }
 
 fn count(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
-    Ok(ReplyValue::Integer(i64::from(at.instrument.acquisitions())))
+    Ok(ReplyValue::integer(at.instrument.acquisitions()))
 }

@@ -5,38 +5,38 @@ use crate::instrument::limits;
 use crate::scpi::argument::{flag, none, only, real};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{CommandRow, Group};
-use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Stop};
+use crate::scpi::setting::{Context, Parts, Stop, both, group};
 use crate::scpi::value::ReplyValue;
 
 /// The group.
 pub const GROUP: Group = Group {
     title: "The bench behind the instrument (not Tektronix's)",
     rows: &[
-        CommandRow::own("BENCh", &GroupQuery(Parts::Below), "all of this"),
+        CommandRow::own("BENCh", group(Parts::Below), "all of this"),
         CommandRow::own(
             "BENCh:IMPact",
-            &Both(strike, |at| Ok(ReplyValue::Integer(i64::from(at.instrument.bench.impacts)))),
+            both(strike, |at| Ok(ReplyValue::integer(at.instrument.bench.impacts))),
             "strikes the chain as soon as the part of the record before the trigger is full; the query counts impacts",
         ),
-        CommandRow::own("BENCh:STRIker", &GroupQuery(Parts::Below), "mass and speed of the striker"),
+        CommandRow::own("BENCh:STRIker", group(Parts::Below), "mass and speed of the striker"),
         CommandRow::own(
             "BENCh:STRIker:MASS",
-            &Both(set_striker_mass, |at| number(at, at.instrument.bench.scene.striker_mass)),
+            both(set_striker_mass, |at| number(at, at.instrument.bench.scene.striker_mass)),
             "mass of the striker in kg, 1E-5 to 0.1",
         ),
         CommandRow::own(
             "BENCh:STRIker:SPEed",
-            &Both(set_striker_speed, |at| number(at, at.instrument.bench.scene.striker_speed)),
+            both(set_striker_speed, |at| number(at, at.instrument.bench.scene.striker_speed)),
             "speed of the striker in m/s, 1E-3 to 10, around which a scene may spread it",
         ),
         CommandRow::own(
             "BENCh:MAGNet:FORCe",
-            &Both(set_magnet_force, |at| number(at, at.instrument.bench.scene.magnet_force)),
+            both(set_magnet_force, |at| number(at, at.instrument.bench.scene.magnet_force)),
             "force of the magnet in N, 0 to 100",
         ),
         CommandRow::own(
             "BENCh:SCENe",
-            &Both(set_scene, |at| {
+            both(set_scene, |at| {
                 present(at)?;
                 Ok(ReplyValue::Text(at.instrument.bench.scene.name.clone()))
             }),
@@ -44,9 +44,9 @@ pub const GROUP: Group = Group {
         ),
         CommandRow::own(
             "BENCh:CH<x>:FINe",
-            &Both(set_fine, |at| {
+            both(set_fine, |at| {
                 let fine = at.instrument.panel.channel(at.place.number).fine;
-                Ok(ReplyValue::Word(if fine { "ON" } else { "OFF" }))
+                Ok(ReplyValue::on_or_off(fine))
             }),
             "Volts/Div of a channel's menu: `ON` is fine, and `CH<x>:SCAle` takes what stands between the steps; `OFF` is coarse",
         )

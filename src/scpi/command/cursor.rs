@@ -7,8 +7,9 @@ use crate::instrument::panel::{BarUnits, CursorFunction, DisplayFormat};
 use crate::instrument::word::Word as _;
 use crate::scpi::argument::word;
 use crate::scpi::message::Argument;
+use crate::scpi::placeholder::Placeholder;
 use crate::scpi::row::{CommandRow, Group};
-use crate::scpi::setting::{Both, Context, GroupQuery, Number, Parts, Query, Stop, WordSetting};
+use crate::scpi::setting::{Context, Parts, Setting, Stop, both, group, number, query, word};
 use crate::scpi::value::ReplyValue;
 
 /// The group.
@@ -17,7 +18,7 @@ pub const GROUP: Group = Group {
     rows: &[
         CommandRow::acts(
             "CURSor",
-            &GroupQuery(Parts::Of(&[
+            group(Parts::Of(&[
                 "CURSor:FUNCtion",
                 "CURSor:SELect:SOUrce",
                 "CURSor:VBArs",
@@ -27,20 +28,20 @@ pub const GROUP: Group = Group {
         ),
         CommandRow::acts(
             "CURSor:FUNCtion",
-            &Both(set_function, |at| {
+            both(set_function, |at| {
                 Ok(ReplyValue::Word(at.instrument.panel.cursor.function.word()))
             }),
             "`OFF`, `HBArs` or `VBArs`; none in XY (event 221)",
         ),
         CommandRow::acts(
             "CURSor:SELect:SOUrce",
-            &WordSetting(|i, _| &mut i.panel.cursor.source),
+            word!(|at| at.instrument.panel.cursor.source),
             "the waveform",
         ),
         CommandRow::alias("CURSor:SELect", "CURSor:SELect:SOUrce"),
         CommandRow::acts(
             "CURSor:VBArs",
-            &GroupQuery(Parts::Of(&[
+            group(Parts::Of(&[
                 "CURSor:VBArs:UNIts",
                 "CURSor:VBArs:DELTa",
                 "CURSor:VBArs:POSITION1",
@@ -50,15 +51,14 @@ pub const GROUP: Group = Group {
         ),
         CommandRow::acts(
             "CURSor:VBArs:UNIts",
-            &WordSetting(|i, _| &mut i.panel.cursor.vertical_units),
+            word!(|at| at.instrument.panel.cursor.vertical_units),
             "`SECOnds` or `HERtz`",
         ),
-        CommandRow::acts("CURSor:VBArs:DELTa", &Query(vertical_delta), "their distance").apart(),
-        CommandRow::acts("CURSor:VBArs:POSITION<x>", &VERTICAL, "seconds after the trigger")
-            .apart(),
+        CommandRow::acts("CURSor:VBArs:DELTa", query(vertical_delta), "their distance").apart(),
+        CommandRow::acts("CURSor:VBArs:POSITION<x>", VERTICAL, "seconds after the trigger").apart(),
         CommandRow::acts(
             "CURSor:HBArs",
-            &GroupQuery(Parts::Of(&[
+            group(Parts::Of(&[
                 "CURSor:HBArs:UNIts",
                 "CURSor:HBArs:DELTa",
                 "CURSor:HBArs:POSITION1",
@@ -68,12 +68,12 @@ pub const GROUP: Group = Group {
         ),
         CommandRow::acts(
             "CURSor:HBArs:UNIts",
-            &Query(|_| Ok(ReplyValue::Word("VOLts"))),
+            query(|_| Ok(ReplyValue::Word("VOLts"))),
             "always volts",
         )
         .apart(),
-        CommandRow::acts("CURSor:HBArs:DELTa", &Query(horizontal_delta), "their distance").apart(),
-        CommandRow::acts("CURSor:HBArs:POSITION<x>", &HORIZONTAL, "volts").apart(),
+        CommandRow::acts("CURSor:HBArs:DELTa", query(horizontal_delta), "their distance").apart(),
+        CommandRow::acts("CURSor:HBArs:POSITION<x>", HORIZONTAL, "volts").apart(),
     ],
 };
 
@@ -87,24 +87,21 @@ fn set_function(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop
     Ok(())
 }
 
-const VERTICAL: Number = Number(
-    |i, at| {
-        let [first, second] = &mut i.panel.cursor.vertical;
-        if at.number == 2 { second } else { first }
-    },
-    |i, _, time| {
+const VERTICAL: Setting =
+    number!(|at| at.instrument.panel.cursor.vertical[bar(at.place)], |i, _, time| {
         let (start, end) = i.setup().record_span();
         rounded(time.clamp(start.min(end), end), 7)
-    },
+    });
+
+const HORIZONTAL: Setting = number!(
+    |at| at.instrument.panel.cursor.horizontal[bar(at.place)],
+    |_, _, volts| rounded(volts, 7)
 );
 
-const HORIZONTAL: Number = Number(
-    |i, at| {
-        let [first, second] = &mut i.panel.cursor.horizontal;
-        if at.number == 2 { second } else { first }
-    },
-    |_, _, volts| rounded(volts, 7),
-);
+/// Index of the bar in the header.
+fn bar(place: Placeholder) -> usize {
+    usize::from(place.number == 2)
+}
 
 fn vertical_delta(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
     let cursor = &at.instrument.panel.cursor;

@@ -5,9 +5,9 @@ use crate::instrument::transfer::{ByteOrder, CurveFormat, Transfer};
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 use crate::scope::{Preamble, Source, VerticalSetup, Waveform};
 use crate::scpi::message::Argument;
-use crate::scpi::number;
 use crate::scpi::row::{CommandRow, Group};
-use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Stop};
+use crate::scpi::setting::{Context, Parts, Stop, both, group};
+use crate::scpi::value;
 use crate::scpi::value::ReplyValue;
 
 /// The group.
@@ -16,14 +16,10 @@ pub const GROUP: Group = Group {
     rows: &[
         CommandRow::acts(
             "CURVe",
-            &Both(receive, send),
+            both(receive, send),
             "points, as `DATa` says; of a waveform that is not displayed none, and events 2244 and 420",
         ),
-        CommandRow::acts(
-            "WAVFrm",
-            &GroupQuery(Parts::Of(&["WFMPre", "CURVe"])),
-            "preamble and points",
-        ),
+        CommandRow::acts("WAVFrm", group(Parts::Of(&["WFMPre", "CURVe"])), "preamble and points"),
     ],
 };
 
@@ -143,7 +139,7 @@ fn points_of_block(bytes: &[u8], transfer: &Transfer) -> Vec<i32> {
 fn points_of_words(arguments: &[Argument]) -> Result<Vec<i32>, Event> {
     let point = |argument: &Argument| match argument {
         Argument::Word(typed) => {
-            let value = number::parse(typed).ok_or(Event::DataType)?;
+            let value = value::parse(typed).ok_or(Event::DataType)?;
             let point = value.round() as i32;
             Ok(point)
         }

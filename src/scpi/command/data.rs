@@ -7,7 +7,7 @@ use crate::scope::Source;
 use crate::scpi::argument::{only, whole, word};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{CommandRow, Group};
-use crate::scpi::setting::{Both, Context, GroupQueryAndCommand, Parts, Stop, WordSetting};
+use crate::scpi::setting::{Context, Parts, Setting, Stop, both, group_and_command, place, word};
 use crate::scpi::value::ReplyValue;
 
 words! {
@@ -24,17 +24,17 @@ pub const GROUP: Group = Group {
     rows: &[
         CommandRow::acts(
             "DATa",
-            &GroupQueryAndCommand(Parts::Below, initialise),
+            group_and_command(Parts::Below, initialise),
             "`INIT` sets all of this as at power on",
         ),
         CommandRow::acts(
             "DATa:ENCdg",
-            &Both(set_encoding, encoding),
+            both(set_encoding, encoding),
             "`ASCIi` (`ASC` is taken, too), `RIBinary`, `RPBinary`, `SRIbinary` or `SRPbinary`",
         ),
         CommandRow::acts(
             "DATa:DESTination",
-            &Both(set_destination, |at| {
+            both(set_destination, |at| {
                 Ok(ReplyValue::Word(at.instrument.transfer.destination.word()))
             }),
             "the reference memory that `CURVe` writes",
@@ -42,24 +42,32 @@ pub const GROUP: Group = Group {
         CommandRow::alias("DATa:TARget", "DATa:DESTination"),
         CommandRow::acts(
             "DATa:SOUrce",
-            &WordSetting(|i, _| &mut i.transfer.source),
+            word!(|at| at.instrument.transfer.source),
             "the waveform that `CURVe?` reads",
         ),
         CommandRow::acts(
             "DATa:STARt",
-            &Both(set_start, |at| Ok(ReplyValue::Plain(at.instrument.transfer.start.to_string()))),
+            both(
+                |at, a| {
+                    at.instrument.transfer.start = point(at, a)?;
+                    Ok(())
+                },
+                |at| Ok(ReplyValue::Plain(at.instrument.transfer.start.to_string())),
+            ),
             "first point, counted from 1",
         ),
         CommandRow::acts(
             "DATa:STOP",
-            &Both(set_stop, |at| Ok(ReplyValue::Plain(at.instrument.transfer.stop.to_string()))),
+            both(
+                |at, a| {
+                    at.instrument.transfer.stop = point(at, a)?;
+                    Ok(())
+                },
+                |at| Ok(ReplyValue::Plain(at.instrument.transfer.stop.to_string())),
+            ),
             "last point",
         ),
-        CommandRow::acts(
-            "DATa:WIDth",
-            &Both(set_width, |at| Ok(ReplyValue::Integer(i64::from(at.instrument.transfer.width)))),
-            "bytes a point, 1 or 2",
-        ),
+        CommandRow::acts("DATa:WIDth", WIDTH, "bytes a point, 1 or 2"),
     ],
 };
 
@@ -93,22 +101,14 @@ fn set_destination(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), S
 }
 
 /// A point of a record, counted from 1.
-fn point(at: &Context<'_>, arguments: &[Argument]) -> Result<usize, Stop> {
+pub(super) fn point(at: &Context<'_>, arguments: &[Argument]) -> Result<usize, Stop> {
     let last = u32::try_from(at.instrument.model.record_length).unwrap_or(u32::MAX);
     Ok(usize::try_from(whole(arguments, 1, last)?).unwrap_or(1))
 }
 
-fn set_start(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
-    at.instrument.transfer.start = point(at, arguments)?;
-    Ok(())
-}
-
-fn set_stop(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
-    at.instrument.transfer.stop = point(at, arguments)?;
-    Ok(())
-}
-
-pub(super) fn set_width(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
-    at.instrument.transfer.width = if whole(arguments, 1, 2)? == 2 { 2 } else { 1 };
-    Ok(())
-}
+/// Bytes a point.
+pub(super) const WIDTH: Setting = place!(
+    |at| at.instrument.transfer.width,
+    |a| whole(a, 1, 2).map(|width| width as u8),
+    ReplyValue::integer
+);

@@ -1,10 +1,10 @@
 //! Display: `DISplay`. Format and style show in the picture that `HARDCopy` sends; the rest is kept and told.
 
 use crate::instrument::word::words;
-use crate::scpi::argument::{real, whole, word};
+use crate::scpi::argument::{flag, real, whole, word};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{CommandRow, Group};
-use crate::scpi::setting::{Both, Context, GroupQuery, OnOff, Parts, Stop, WordSetting};
+use crate::scpi::setting::{Context, Parts, Stop, both, group, place, word};
 use crate::scpi::value::ReplyValue;
 
 words! {
@@ -24,42 +24,39 @@ const PERSISTENCES: [f64; 4] = [0.0, 1.0, 2.0, 5.0];
 pub const GROUP: Group = Group {
     title: "Display",
     rows: &[
-        CommandRow::accepted("DISplay", &GroupQuery(Parts::Below), "all settings of the screen"),
+        CommandRow::accepted("DISplay", group(Parts::Below), "all settings of the screen"),
         CommandRow::accepted(
             "DISplay:CONTRast",
-            &Both(set_contrast, |at| {
-                Ok(ReplyValue::Integer(i64::from(at.instrument.panel.display.contrast)))
-            }),
+            place!(
+                |at| at.instrument.panel.display.contrast,
+                |a| whole(a, 1, 100),
+                ReplyValue::integer
+            ),
             "1 to 100",
         ),
         CommandRow::acts(
             "DISplay:FORMat",
-            &WordSetting(|i, _| &mut i.panel.display.format),
+            word!(|at| at.instrument.panel.display.format),
             "`YT` or `XY`",
         ),
         CommandRow::acts(
             "DISplay:STYle",
-            &WordSetting(|i, _| &mut i.panel.display.style),
+            word!(|at| at.instrument.panel.display.style),
             "`DOTs` or `VECtors`",
         ),
         CommandRow::accepted(
             "DISplay:PERSistence",
-            &Both(set_persistence, persistence),
+            both(set_persistence, persistence),
             "`OFF`, 1, 2, 5 (seconds) or `INFinite`",
         ),
         CommandRow::accepted(
             "DISplay:INVert",
-            &OnOff(|i, _| &mut i.panel.display.inverted),
+            place!(|at| at.instrument.panel.display.inverted, flag, ReplyValue::on_or_off),
             "`ON` or `OFF`; pictures follow `HARDCopy:INKSaver`",
         )
         .apart(),
     ],
 };
-
-fn set_contrast(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
-    at.instrument.panel.display.contrast = whole(arguments, 1, 100)?;
-    Ok(())
-}
 
 fn set_persistence(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let distance = |asked: f64, choice: f64| (asked - choice).abs();

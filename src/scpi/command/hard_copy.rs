@@ -3,10 +3,11 @@
 use crate::instrument::Event;
 use crate::instrument::panel::{HardCopyFormat, Port};
 use crate::instrument::word::words;
-use crate::scpi::argument::word;
+use crate::scpi::argument::{flag, word};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{CommandRow, Group};
-use crate::scpi::setting::{Context, GroupQueryAndCommand, OnOff, Parts, Stop, WordSetting};
+use crate::scpi::setting::{Context, Parts, Stop, group_and_command, place, word};
+use crate::scpi::value::ReplyValue;
 use crate::screen::{PictureFormat, Screen, draw, file};
 
 words! {
@@ -25,27 +26,27 @@ pub const GROUP: Group = Group {
     rows: &[
         CommandRow::acts(
             "HARDCopy",
-            &GroupQueryAndCommand(Parts::Below, order),
+            group_and_command(Parts::Below, order),
             "`STARt` sends the screen's picture, bare bytes without a terminator; `ABOrt` does nothing",
         ),
         CommandRow::acts(
             "HARDCopy:FORMat",
-            &WordSetting(|i, _| &mut i.panel.hard_copy.format),
+            word!(|at| at.instrument.panel.hard_copy.format),
             "`BMP`, `RLE`, `PCX`, `TIFf`, `EPSCOlor`, `EPSMono`; `STARt` refuses printers' languages (event 241)",
         ),
         CommandRow::acts(
             "HARDCopy:PORT",
-            &WordSetting(|i, _| &mut i.panel.hard_copy.port),
+            word!(|at| at.instrument.panel.hard_copy.port),
             "`RS232` and `GPIB` are this connection; at `CENtronics` is no printer (event 241)",
         ),
         CommandRow::accepted(
             "HARDCopy:LAYout",
-            &WordSetting(|i, _| &mut i.panel.hard_copy.layout),
+            word!(|at| at.instrument.panel.hard_copy.layout),
             "`PORTRait` or `LANdscape`; pictures are upright",
         ),
         CommandRow::acts(
             "HARDCopy:INKSaver",
-            &OnOff(|i, _| &mut i.panel.hard_copy.ink_saver),
+            place!(|at| at.instrument.panel.hard_copy.ink_saver, flag, ReplyValue::on_or_off),
             "`ON` leaves the background white",
         ),
     ],

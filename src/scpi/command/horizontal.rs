@@ -4,59 +4,55 @@ use crate::instrument::limits;
 use crate::scpi::argument::real;
 use crate::scpi::message::Argument;
 use crate::scpi::row::{CommandRow, Group};
-use crate::scpi::setting::{Both, Context, GroupQuery, Number, Parts, Query, Stop, WordSetting};
+use crate::scpi::setting::{Context, Parts, Setting, Stop, both, group, number, query, word};
 use crate::scpi::value::ReplyValue;
 
 /// The group.
 pub const GROUP: Group = Group {
     title: "Horizontal",
     rows: &[
-        CommandRow::acts("HORizontal", &GroupQuery(Parts::Below), "all settings of the time base"),
+        CommandRow::acts("HORizontal", group(Parts::Below), "all settings of the time base"),
         CommandRow::acts(
             "HORizontal:VIEw",
-            &WordSetting(|i, _| &mut i.panel.horizontal.view),
+            word!(|at| at.instrument.panel.horizontal.view),
             "`MAIn`, `WINDOW` (records are those of the window) or `ZONE`",
         ),
-        CommandRow::acts("HORizontal:RECOrdlength", &Query(record_length), "points in a record"),
-        CommandRow::acts("HORizontal:MAIn", &GroupQuery(Parts::Below), "the main time base"),
-        CommandRow::acts("HORizontal:MAIn:SCAle", &SCALE, "s/div, the nearest step of 1-2.5-5"),
+        CommandRow::acts("HORizontal:RECOrdlength", query(record_length), "points in a record"),
+        CommandRow::acts("HORizontal:MAIn", group(Parts::Below), "the main time base"),
+        CommandRow::acts("HORizontal:MAIn:SCAle", SCALE, "s/div, the nearest step of 1-2.5-5"),
         CommandRow::acts(
             "HORizontal:MAIn:POSition",
-            &POSITION,
+            POSITION,
             "the screen's centre after the trigger, in seconds",
         ),
         CommandRow::alias("HORizontal:MAIn:SECdiv", "HORizontal:MAIn:SCAle"),
-        CommandRow::acts("HORizontal:DELay", &GroupQuery(Parts::Below), "the window's time base"),
+        CommandRow::acts("HORizontal:DELay", group(Parts::Below), "the window's time base"),
         CommandRow::acts(
             "HORizontal:DELay:SCAle",
-            &Number(
-                |i, _| &mut i.panel.horizontal.delay_scale,
-                |i, _, scale| limits::time_base(&i.model, scale).min(i.panel.horizontal.scale),
-            ),
+            number!(|at| at.instrument.panel.horizontal.delay_scale, |i, _, scale| {
+                limits::time_base(&i.model, scale).min(i.panel.horizontal.scale)
+            }),
             "s/div of the window",
         ),
         CommandRow::acts(
             "HORizontal:DELay:POSition",
-            &Number(
-                |i, _| &mut i.panel.horizontal.delay_position,
-                |i, _, position| {
-                    limits::horizontal_position(&i.model, position, i.panel.horizontal.delay_scale)
-                },
-            ),
+            number!(|at| at.instrument.panel.horizontal.delay_position, |i, _, position| {
+                limits::horizontal_position(&i.model, position, i.panel.horizontal.delay_scale)
+            }),
             "the window's centre after the trigger, in seconds",
         ),
         CommandRow::alias("HORizontal:DELay:SECdiv", "HORizontal:DELay:SCAle"),
-        CommandRow::acts("HORizontal:SCAle", &SCALE, "the main time base").apart(),
+        CommandRow::acts("HORizontal:SCAle", SCALE, "the main time base").apart(),
         CommandRow::alias("HORizontal:SECdiv", "HORizontal:SCAle"),
-        CommandRow::acts("HORizontal:POSition", &POSITION, "the main position").apart(),
+        CommandRow::acts("HORizontal:POSition", POSITION, "the main position").apart(),
     ],
 };
 
-const SCALE: Both = Both(set_scale, scale);
-const POSITION: Number = Number(
-    |i, _| &mut i.panel.horizontal.position,
-    |i, _, position| limits::horizontal_position(&i.model, position, i.panel.horizontal.scale),
-);
+const SCALE: Setting = both(set_scale, scale);
+const POSITION: Setting =
+    number!(|at| at.instrument.panel.horizontal.position, |i, _, position| {
+        limits::horizontal_position(&i.model, position, i.panel.horizontal.scale)
+    });
 
 fn set_scale(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let asked = real(arguments)?;

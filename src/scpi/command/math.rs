@@ -1,12 +1,12 @@
 //! Math: `MATH`.
 
 use crate::instrument::Event;
-use crate::instrument::limits::nearest;
 use crate::instrument::panel::MathFunction;
+use crate::scope::model::nearest;
 use crate::scpi::argument::text;
 use crate::scpi::message::Argument;
 use crate::scpi::row::{CommandRow, Group};
-use crate::scpi::setting::{Both, Context, GroupQuery, Number, Parts, Stop};
+use crate::scpi::setting::{Context, Parts, Stop, both, group, number};
 use crate::scpi::value::ReplyValue;
 
 /// Horizontal zooms of a spectrum (1).
@@ -20,43 +20,40 @@ const MAX_POSITION: f64 = 100.0;
 pub const GROUP: Group = Group {
     title: "Math",
     rows: &[
-        CommandRow::acts("MATH", &GroupQuery(Parts::Below), "all settings of the math trace"),
+        CommandRow::acts("MATH", group(Parts::Below), "all settings of the math trace"),
         CommandRow::acts(
             "MATH:DEFINE",
-            &Both(define, definition),
+            both(define, definition),
             "e.g. `\"CH1 - CH2\"` or `\"FFT(CH1,HANNING)\"`",
         ),
-        CommandRow::acts("MATH:FFT", &GroupQuery(Parts::Below), "how the screen shows a spectrum"),
+        CommandRow::acts("MATH:FFT", group(Parts::Below), "how the screen shows a spectrum"),
         CommandRow::acts(
             "MATH:FFT:HORizontal:POSition",
-            &Number(
-                |i, _| &mut i.panel.math.fft_horizontal_position,
-                |_, _, percent| percent.clamp(0.0, 100.0),
-            ),
+            number!(|at| at.instrument.panel.math.fft_horizontal_position, |_, _, percent| percent
+                .clamp(0.0, 100.0)),
             "percent of the spectrum in the screen's centre",
         ),
         CommandRow::acts(
             "MATH:FFT:HORizontal:SCAle",
-            &Number(
-                |i, _| &mut i.panel.math.fft_horizontal_scale,
-                |_, _, zoom| nearest(zoom, &HORIZONTAL_ZOOMS),
-            ),
+            number!(|at| at.instrument.panel.math.fft_horizontal_scale, |_, _, zoom| nearest(
+                zoom,
+                &HORIZONTAL_ZOOMS
+            )),
             "zoom 1, 2, 5 or 10",
         ),
         CommandRow::acts(
             "MATH:FFT:VERtical:POSition",
-            &Number(
-                |i, _| &mut i.panel.math.fft_vertical_position,
-                |_, _, divisions| divisions.clamp(-MAX_POSITION, MAX_POSITION),
-            ),
+            number!(|at| at.instrument.panel.math.fft_vertical_position, |_, _, divisions| {
+                divisions.clamp(-MAX_POSITION, MAX_POSITION)
+            }),
             "divisions",
         ),
         CommandRow::acts(
             "MATH:FFT:VERtical:SCAle",
-            &Number(
-                |i, _| &mut i.panel.math.fft_vertical_scale,
-                |_, _, zoom| nearest(zoom, &VERTICAL_ZOOMS),
-            ),
+            number!(|at| at.instrument.panel.math.fft_vertical_scale, |_, _, zoom| nearest(
+                zoom,
+                &VERTICAL_ZOOMS
+            )),
             "zoom 0.5, 1, 2, 5 or 10",
         ),
     ],

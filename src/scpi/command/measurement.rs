@@ -10,7 +10,7 @@ use crate::instrument::word::Word as _;
 use crate::scpi::argument::word;
 use crate::scpi::message::Argument;
 use crate::scpi::row::{CommandRow, Group};
-use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Query, Stop, WordSetting};
+use crate::scpi::setting::{Context, Parts, Stop, both, group, query, word};
 use crate::scpi::value::ReplyValue;
 
 /// Type and source of the five measurements on the screen.
@@ -28,33 +28,33 @@ pub const GROUP: Group = Group {
     rows: &[
         CommandRow::acts(
             "MEASUrement",
-            &GroupQuery(Parts::Of(&MEASUREMENTS)),
+            group(Parts::Of(&MEASUREMENTS)),
             "the measurements on the screen",
         ),
         CommandRow::acts(
             "MEASUrement:IMMed",
-            &GroupQuery(Parts::Below),
+            group(Parts::Below),
             "the measurement of the remote interface",
         ),
         CommandRow::acts(
             "MEASUrement:IMMed:TYPe",
-            &Both(set_immediate, immediate),
+            both(set_immediate, immediate),
             "what is measured",
         ),
         CommandRow::acts(
             "MEASUrement:IMMed:UNIts",
-            &Query(|at| Ok(units(at.instrument.panel.immediate))),
+            query(|at| Ok(units(at.instrument.panel.immediate))),
             "unit of the result",
         ),
         CommandRow::acts(
             "MEASUrement:IMMed:SOUrce1",
-            &WordSetting(|i, _| &mut i.panel.immediate.source),
+            word!(|at| at.instrument.panel.immediate.source),
             "the waveform",
         ),
         CommandRow::alias("MEASUrement:IMMed:SOU1", "MEASUrement:IMMed:SOUrce1"),
         CommandRow::acts(
             "MEASUrement:IMMed:VALue",
-            &Query(|at| {
+            query(|at| {
                 let m = at.instrument.panel.immediate;
                 Ok(value(at, m))
             }),
@@ -63,28 +63,28 @@ pub const GROUP: Group = Group {
         .apart(),
         CommandRow::acts(
             "MEASUrement:MEAS<x>",
-            &GroupQuery(Parts::Below),
+            group(Parts::Below),
             "one of the five on the screen",
         ),
         CommandRow::acts(
             "MEASUrement:MEAS<x>:TYPe",
-            &WordSetting(|i, at| &mut i.panel.measurement_mut(at.number).kind),
+            word!(|at| at.instrument.panel.measurement_mut(at.place.number).kind),
             "what is measured, or `NONe`",
         ),
         CommandRow::acts(
             "MEASUrement:MEAS<x>:UNIts",
-            &Query(|at| Ok(units(slot(at)))),
+            query(|at| Ok(units(slot(at)))),
             "unit of the result",
         )
         .apart(),
         CommandRow::acts(
             "MEASUrement:MEAS<x>:SOUrce",
-            &WordSetting(|i, at| &mut i.panel.measurement_mut(at.number).source),
+            word!(|at| at.instrument.panel.measurement_mut(at.place.number).source),
             "the waveform",
         ),
         CommandRow::acts(
             "MEASUrement:MEAS<x>:VALue",
-            &Query(|at| {
+            query(|at| {
                 let m = slot(at);
                 Ok(value(at, m))
             }),

@@ -5,7 +5,7 @@ use crate::instrument::word::{Word as _, words};
 use crate::scpi::argument::{flag, only, text, word};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{CommandRow, Group};
-use crate::scpi::setting::{Both, Command, Context, GroupQuery, Parts, Query, Stop, WordSetting};
+use crate::scpi::setting::{Context, Parts, Stop, both, command, group, place, query, word};
 use crate::scpi::value::ReplyValue;
 
 words! {
@@ -91,73 +91,61 @@ pub const GROUP: Group = Group {
     rows: &[
         CommandRow::acts(
             "*IDN",
-            &Query(identity),
+            query(identity),
             "maker, model, serial number, firmware; the last query of a message",
         ),
-        CommandRow::acts("ID", &Query(identity_in_short), "the same in the family's older form"),
-        CommandRow::acts("*LRN", &GroupQuery(Parts::Of(&SETUP)), "the whole set-up, with headers"),
-        CommandRow::acts("SET", &GroupQuery(Parts::Of(&SETUP)), "the whole set-up, with headers"),
+        CommandRow::acts("ID", query(identity_in_short), "the same in the family's older form"),
+        CommandRow::acts("*LRN", group(Parts::Of(&SETUP)), "the whole set-up, with headers"),
+        CommandRow::acts("SET", group(Parts::Of(&SETUP)), "the whole set-up, with headers"),
         CommandRow::acts(
             "HEADer",
-            &Both(
-                |at, a| {
-                    at.preferences.header = flag(a)?;
-                    Ok(())
-                },
-                |at| Ok(ReplyValue::flag(at.preferences.header)),
-            ),
+            place!(|at| at.preferences.header, flag, ReplyValue::flag),
             "headers before answers, on this connection",
         ),
         CommandRow::alias("HDR", "HEADer"),
         CommandRow::acts(
             "VERBose",
-            &Both(
-                |at, a| {
-                    at.preferences.verbose = flag(a)?;
-                    Ok(())
-                },
-                |at| Ok(ReplyValue::flag(at.preferences.verbose)),
-            ),
+            place!(|at| at.preferences.verbose, flag, ReplyValue::flag),
             "words in full, on this connection",
         ),
         CommandRow::acts(
             "AUTOSet",
-            &Command(autoset),
+            command(autoset),
             "`EXECute` scales the channels and triggers at half height",
         ),
         CommandRow::accepted(
             "LOCk",
-            &Both(lock, |at| {
+            both(lock, |at| {
                 Ok(ReplyValue::Word(if at.instrument.service.locked { "ALL" } else { "NONe" }))
             }),
             "`ALL` or `NONe` of the keys",
         ),
         CommandRow::acts(
             "AUTOSet:SIGNAL",
-            &Query(|at| Ok(ReplyValue::Word(at.instrument.autoset_signal().word()))),
+            query(|at| Ok(ReplyValue::Word(at.instrument.autoset_signal().word()))),
             "what the last `AUTOSet` took its signal for: `LEVEL`, `SINE`, `SQUARE`, `OTHER`, `NONe`; no input carries video",
         ),
         CommandRow::accepted(
             "AUTOSet:VIEW",
-            &WordSetting(|i, _| &mut i.service.autoset_view),
+            word!(|at| at.instrument.service.autoset_view),
             "how it would show it, `MULTICY` to `NONE`; `DEFault` after `AUTOSet`",
         ),
-        CommandRow::accepted("UNLock", &Command(unlock), "`ALL`"),
+        CommandRow::accepted("UNLock", command(unlock), "`ALL`"),
         CommandRow::accepted(
             "LANGuage",
-            &WordSetting(|i, _| &mut i.service.language),
+            word!(|at| at.instrument.service.language),
             "`ENGLish`, `FRENch`, `GERMan`, `ITALian`, `SPANish`, `PORTUguese`, `JAPAnese`, `KOREan`, `TRADitionalchinese` or `SIMPlifiedchinese`; pictures are in English",
         ),
         CommandRow::acts(
             "*DDT",
-            &Both(set_device_trigger, |at| {
+            both(set_device_trigger, |at| {
                 Ok(ReplyValue::Text(at.instrument.service.device_trigger.clone()))
             }),
             "up to 80 characters, as text or block, that `*TRG` executes; empty: it triggers",
         ),
         CommandRow::acts(
             "REM",
-            &Command(|_, a| {
+            command(|_, a| {
                 remark(a)?;
                 Ok(())
             }),

@@ -1,11 +1,10 @@
 //! RS-232: `RS232`. There is no serial line; its settings are kept, and the terminator acts on the connection that sets it.
 
-use crate::instrument::limits::nearest;
-use crate::instrument::word::Word as _;
-use crate::scpi::argument::{flag, real, word};
+use crate::scope::model::nearest;
+use crate::scpi::argument::{flag, real};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{CommandRow, Group};
-use crate::scpi::setting::{Both, Context, GroupQuery, Parts, Stop, WordSetting};
+use crate::scpi::setting::{Context, Parts, Stop, both, group, word};
 use crate::scpi::value::ReplyValue;
 
 /// Speeds of the line (baud).
@@ -15,38 +14,38 @@ const SPEEDS: [u32; 7] = [300, 600, 1200, 2400, 4800, 9600, 19200];
 pub const GROUP: Group = Group {
     title: "RS-232",
     rows: &[
-        CommandRow::acts("RS232", &GroupQuery(Parts::Below), "all settings of the line"),
+        CommandRow::acts("RS232", group(Parts::Below), "all settings of the line"),
         CommandRow::accepted(
             "RS232:BAUd",
-            &Both(set_speed, |at| Ok(ReplyValue::Integer(i64::from(at.instrument.service.baud)))),
+            both(set_speed, |at| Ok(ReplyValue::integer(at.instrument.service.baud))),
             "300, 600, 1200, 2400, 4800, 9600 or 19200",
         ),
         CommandRow::accepted(
             "RS232:HARDFlagging",
-            &Both(set_hard_flagging, |at| Ok(on_or_off(at.instrument.service.hard_flagging))),
+            both(set_hard_flagging, |at| {
+                Ok(ReplyValue::on_or_off(at.instrument.service.hard_flagging))
+            }),
             "`ON` or `OFF`; `ON` turns the other one off",
         ),
         CommandRow::accepted(
             "RS232:SOFTFlagging",
-            &Both(set_soft_flagging, |at| Ok(on_or_off(at.instrument.service.soft_flagging))),
+            both(set_soft_flagging, |at| {
+                Ok(ReplyValue::on_or_off(at.instrument.service.soft_flagging))
+            }),
             "`ON` or `OFF`; `ON` turns the other one off",
         ),
         CommandRow::accepted(
             "RS232:PARity",
-            &WordSetting(|i, _| &mut i.service.parity),
+            word!(|at| at.instrument.service.parity),
             "`EVEN`, `ODD` or `NONe`",
         ),
         CommandRow::acts(
             "RS232:TRANsmit:TERMinator",
-            &Both(set_terminator, |at| Ok(ReplyValue::Word(at.preferences.terminator.word()))),
+            word!(|at| at.preferences.terminator),
             "end of this connection's replies: `CR`, `LF`, `CRLf` or `LFCr`",
         ),
     ],
 };
-
-fn on_or_off(on: bool) -> ReplyValue {
-    ReplyValue::Word(if on { "ON" } else { "OFF" })
-}
 
 fn set_speed(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let choices = SPEEDS.map(f64::from);
@@ -71,10 +70,5 @@ fn set_soft_flagging(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(),
     let service = &mut at.instrument.service;
     service.soft_flagging = on;
     service.hard_flagging &= !on;
-    Ok(())
-}
-
-fn set_terminator(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
-    at.preferences.terminator = word(arguments)?;
     Ok(())
 }

@@ -6,7 +6,7 @@ use crate::scope::Source;
 use crate::scpi::argument::{none, real, word};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{CommandRow, Group};
-use crate::scpi::setting::{Both, Command, Context, Stop};
+use crate::scpi::setting::{Context, Setting, Stop, both, command};
 
 words! {
     /// A set-up that is recalled.
@@ -20,51 +20,51 @@ words! {
 pub const GROUP: Group = Group {
     title: "Save and recall",
     rows: &[
-        CommandRow::acts("*SAV", &Command(save_setup), "keeps the front panel in memory 1 to 10"),
+        CommandRow::acts("*SAV", command(save_setup), "keeps the front panel in memory 1 to 10"),
         CommandRow::acts(
             "*RCL",
-            &Command(recall_setup),
+            command(recall_setup),
             "sets the front panel as in memory 1 to 10",
         ),
-        CommandRow::acts("*RST", &Command(reset), "the factory's set-up"),
+        CommandRow::acts("*RST", command(reset), "the factory's set-up"),
         CommandRow::acts(
             "FACtory",
-            &Command(factory),
+            command(factory),
             "the factory's set-up, `HEADer ON`, no enabled events, an empty `*DDT`; printer, contrast, lock, language, serial line and `VERBose` stay",
         ),
-        CommandRow::acts("SAVe:SETUp", &Command(save_setup), "as `*SAV`"),
-        CommandRow::acts("RECAll:SETUp", &Command(recall_setup), "as `*RCL`, or `FACtory`"),
+        CommandRow::acts("SAVe:SETUp", command(save_setup), "as `*SAV`"),
+        CommandRow::acts("RECAll:SETUp", command(recall_setup), "as `*RCL`, or `FACtory`"),
         CommandRow::acts(
             "SAVe:WAVEform",
-            &Command(save_waveform),
+            command(save_waveform),
             "`<wfm>,REF<x>` copies a waveform into a reference memory",
         ),
         CommandRow::acts(
             "RECAll:WAVEform",
-            &Command(recall_waveform),
+            command(recall_waveform),
             "`REF<x>` displays a reference memory",
         ),
-        CommandRow::refused("SAVe:IMAge", &NO_CARD, "no memory card (event 241)"),
-        CommandRow::refused("SAVe:IMAge:FILEFormat", &NO_CARD, "no memory card (event 241)"),
-        CommandRow::refused("FILESystem", &NO_CARD, "no memory card (event 241)"),
-        CommandRow::refused("FILESystem:COPy", &NO_CARD, "no memory card (event 241)"),
-        CommandRow::refused("FILESystem:CWD", &NO_CARD, "no memory card (event 241)"),
-        CommandRow::refused("FILESystem:DELEte", &NO_CARD, "no memory card (event 241)"),
-        CommandRow::refused("FILESystem:DIR", &NO_CARD, "no memory card (event 241)"),
-        CommandRow::refused("FILESystem:FORMat", &NO_CARD, "no memory card (event 241)"),
-        CommandRow::refused("FILESystem:FREESpace", &NO_CARD, "no memory card (event 241)"),
-        CommandRow::refused("FILESystem:MKDir", &NO_CARD, "no memory card (event 241)"),
-        CommandRow::refused("FILESystem:OVERWrite", &NO_CARD, "no memory card (event 241)"),
-        CommandRow::refused("FILESystem:PRInt", &NO_CARD, "no memory card (event 241)"),
-        CommandRow::refused("FILESystem:READFile", &NO_CARD, "no memory card (event 241)"),
-        CommandRow::refused("FILESystem:REName", &NO_CARD, "no memory card (event 241)"),
-        CommandRow::refused("FILESystem:RMDir", &NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("SAVe:IMAge", NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("SAVe:IMAge:FILEFormat", NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem", NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem:COPy", NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem:CWD", NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem:DELEte", NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem:DIR", NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem:FORMat", NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem:FREESpace", NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem:MKDir", NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem:OVERWrite", NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem:PRInt", NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem:READFile", NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem:REName", NO_CARD, "no memory card (event 241)"),
+        CommandRow::refused("FILESystem:RMDir", NO_CARD, "no memory card (event 241)"),
     ],
 };
 
 /// What a memory card would do.
-const NO_CARD: Both =
-    Both(|_, _| Err(Event::HardwareMissing.into()), |_| Err(Event::HardwareMissing.into()));
+const NO_CARD: Setting =
+    both(|_, _| Err(Event::HardwareMissing.into()), |_| Err(Event::HardwareMissing.into()));
 
 fn number(arguments: &[Argument]) -> Result<usize, Stop> {
     if matches!(arguments, [Argument::Text(_)]) {

@@ -1,75 +1,92 @@
 //! Vertical: `CH<x>` and `SELect`.
 
 use crate::instrument::{Event, limits};
+use crate::scope::model::nearest;
 use crate::scope::{Coupling, Source};
 use crate::scpi::argument::{flag, real};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{CommandRow, Group};
-use crate::scpi::setting::{
-    Both, Context, GroupQuery, Number, OnOff, Parts, Stop, Switch, WordSetting,
-};
+use crate::scpi::setting::{Context, Parts, Setting, Stop, both, group, number, place, word};
 use crate::scpi::value::ReplyValue;
 
 /// The group.
 pub const GROUP: Group = Group {
     title: "Vertical",
     rows: &[
-        CommandRow::acts("CH<x>", &GroupQuery(Parts::Below), "all settings of a channel"),
+        CommandRow::acts("CH<x>", group(Parts::Below), "all settings of a channel"),
         CommandRow::acts(
             "CH<x>:PRObe",
-            &Both(set_probe, probe),
+            both(set_probe, probe),
             "attenuation 1, 10, 100 or 1000; V/div at the input stays",
         ),
         CommandRow::acts(
             "CH<x>:SCAle",
-            &Both(set_scale, scale),
+            both(set_scale, scale),
             "V/div, the nearest step of 1-2-5, or to three digits if `BENCh:CH<x>:FINe` is on",
         ),
         CommandRow::alias("CH<x>:VOLts", "CH<x>:SCAle"),
         CommandRow::acts(
             "CH<x>:POSition",
-            &Number(
-                |i, at| &mut i.panel.channel_mut(at.number).vertical.position,
+            number!(
+                |at| at.instrument.panel.channel_mut(at.place.number).vertical.position,
                 |i, at, position| {
                     let vertical = i.panel.channel(at.number).vertical;
                     limits::vertical_position(&i.model, position, vertical.scale, vertical.probe)
-                },
+                }
             ),
             "divisions above the centre, in steps of 1/25",
         ),
         CommandRow::acts(
             "CH<x>:COUPling",
-            &WordSetting(|i, at| {
-                i.panel.channel_mut(at.number).vertical.coupling.get_or_insert(Coupling::Dc)
-            }),
+            word!(|at| *at
+                .instrument
+                .panel
+                .channel_mut(at.place.number)
+                .vertical
+                .coupling
+                .get_or_insert(Coupling::Dc)),
             "`DC`, `AC` or `GND`",
         ),
         CommandRow::acts(
             "CH<x>:BANdwidth",
-            &OnOff(|i, at| {
-                i.panel.channel_mut(at.number).vertical.bandwidth_limited.get_or_insert(false)
-            }),
+            place!(
+                |at| *at
+                    .instrument
+                    .panel
+                    .channel_mut(at.place.number)
+                    .vertical
+                    .bandwidth_limited
+                    .get_or_insert(false),
+                flag,
+                ReplyValue::on_or_off
+            ),
             "the 20 MHz limiter, `ON` or `OFF`",
         ),
         CommandRow::acts(
             "CH<x>:INVert",
-            &OnOff(|i, at| i.panel.channel_mut(at.number).vertical.inverted.get_or_insert(false)),
+            place!(
+                |at| *at
+                    .instrument
+                    .panel
+                    .channel_mut(at.place.number)
+                    .vertical
+                    .inverted
+                    .get_or_insert(false),
+                flag,
+                ReplyValue::on_or_off
+            ),
             "`ON` turns the trace upside down",
         ),
-        CommandRow::acts(
-            "SELect",
-            &GroupQuery(Parts::Of(&SELECT)),
-            "which waveforms are displayed",
-        ),
-        CommandRow::acts("SELect:CH<x>", &SHOWN, "`ON` displays the channel"),
+        CommandRow::acts("SELect", group(Parts::Of(&SELECT)), "which waveforms are displayed"),
+        CommandRow::acts("SELect:CH<x>", SHOWN, "`ON` displays the channel"),
         CommandRow::acts(
             "SELect:MATH",
-            &Switch(|i, _| i.panel.displayed_mut(Source::Math)),
+            place!(|at| *at.instrument.panel.displayed_mut(Source::Math), flag, ReplyValue::flag),
             "`ON` displays the math trace",
         ),
         CommandRow::acts(
             "SELect:REF<x>",
-            &Both(show_reference, |at| {
+            both(show_reference, |at| {
                 Ok(ReplyValue::flag(at.instrument.panel.displays(at.place.source)))
             }),
             "`ON` displays the reference memory (event 2244 where it is empty)",
@@ -90,7 +107,8 @@ const SELECT: [&str; 9] = [
     "SELect:REFD",
 ];
 
-const SHOWN: Switch = Switch(|i, at| i.panel.displayed_mut(at.source));
+const SHOWN: Setting =
+    place!(|at| *at.instrument.panel.displayed_mut(at.place.source), flag, ReplyValue::flag);
 
 fn show_reference(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let on = flag(arguments)?;
@@ -101,7 +119,7 @@ fn show_reference(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), St
 }
 
 fn set_probe(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
-    let probe = limits::nearest(real(arguments)?, &at.instrument.model.probes);
+    let probe = nearest(real(arguments)?, &at.instrument.model.probes);
     let vertical = &mut at.instrument.panel.channel_mut(at.place.number).vertical;
     vertical.scale = limits::rounded(vertical.scale / vertical.probe * probe, 9);
     vertical.probe = probe;

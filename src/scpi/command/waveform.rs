@@ -8,20 +8,47 @@ use crate::instrument::Event;
 use crate::instrument::panel::AcquireMode;
 use crate::instrument::transfer::{Points, Transfer};
 use crate::instrument::word::Word as _;
+use crate::scope::set_up::waveform_id;
 use crate::scope::waveform::LEVELS_PER_DIVISION;
 use crate::scope::{Coupling, PointFormat, Preamble, Source, Waveform};
 use crate::scpi::argument::{real, text, whole, word};
 use crate::scpi::message::Argument;
-use crate::scpi::number::setting;
-use crate::scpi::placeholder::Placeholder;
 use crate::scpi::row::{CommandRow, Group};
-use crate::scpi::setting::{
-    Access, Both, Context, GroupQuery, Parts, Query, Setting, Stop, WordSetting,
-};
+use crate::scpi::setting::{Context, Parts, Stop, both, group, place, query, word};
 use crate::scpi::value::ReplyValue;
+use crate::scpi::value::setting;
 
 /// What is said of fields of a waveform in the header.
 const ABOVE: &str = "see above; set for reference memories only (event 2241 for others)";
+
+/// A field of the waveform that `DATa:SOUrce` names, and of the one to come.
+macro_rules! outgoing {
+    ($field:ident, |$at:pat_param, $a:ident| $take:expr) => {
+        both(
+            |at, $a| {
+                let $at = at;
+                $take;
+                Ok(())
+            },
+            |at| told(at, at.instrument.transfer.source, $field),
+        )
+    };
+}
+
+/// A field of the waveform in the header. Those of reference memories can be set; a memory holds as many points as it was given.
+macro_rules! of_reference {
+    ($field:ident, |$w:pat_param, $by:pat_param, $a:ident| $change:expr) => {
+        both(
+            |at, $a| {
+                change_reference(at, &|$w, $by| {
+                    $change;
+                    Ok(())
+                })
+            },
+            |at| told(at, at.place.source, $field),
+        )
+    };
+}
 
 /// The fields in the order of a reply.
 const FIELDS: [&str; 16] = [
@@ -47,40 +74,38 @@ const FIELDS: [&str; 16] = [
 pub const GROUP: Group = Group {
     title: "Waveform: preamble",
     rows: &[
-        CommandRow::acts("WFMPre", &GroupQuery(Parts::Of(&FIELDS)), "all of the preamble"),
-        CommandRow::acts(
-            "WFMPre:BYT_Nr",
-            &Both(super::data::set_width, |at| {
-                Ok(ReplyValue::Integer(i64::from(at.instrument.transfer.width)))
-            }),
-            "bytes a point",
-        ),
+        CommandRow::acts("WFMPre", group(Parts::Of(&FIELDS)), "all of the preamble"),
+        CommandRow::acts("WFMPre:BYT_Nr", super::data::WIDTH, "bytes a point"),
         CommandRow::acts(
             "WFMPre:BIT_Nr",
-            &Both(set_bits, |at| {
+            both(set_bits, |at| {
                 Ok(ReplyValue::Integer(8 * i64::from(at.instrument.transfer.width)))
             }),
             "bits a point",
         ),
         CommandRow::acts(
             "WFMPre:ENCdg",
-            &WordSetting(|i, _| &mut i.transfer.format),
+            word!(|at| at.instrument.transfer.format),
             "`ASC` or `BIN`",
         ),
         CommandRow::acts(
             "WFMPre:BN_Fmt",
-            &WordSetting(|i, _| &mut i.transfer.numbers),
+            word!(|at| at.instrument.transfer.numbers),
             "`RI` signed, `RP` positive",
         ),
         CommandRow::acts(
             "WFMPre:BYT_Or",
-            &WordSetting(|i, _| &mut i.transfer.byte_order),
+            word!(|at| at.instrument.transfer.byte_order),
             "`MSB` or `LSB` first",
         ),
-        CommandRow::acts("WFMPre:NR_Pt", &Field(nr_pt, set_nr_pt), "points"),
+        CommandRow::acts(
+            "WFMPre:NR_Pt",
+            outgoing!(nr_pt, |at, a| at.instrument.incoming.nr_pt = super::data::point(at, a)?),
+            "points",
+        ),
         CommandRow::acts(
             "WFMPre:WFId",
-            &Query(|at| {
+            query(|at| {
                 let source = at.instrument.transfer.source;
                 wfid(at, source)
             }),
@@ -88,229 +113,148 @@ pub const GROUP: Group = Group {
         ),
         CommandRow::acts(
             "WFMPre:PT_Fmt",
-            &Field(pt_fmt, |at, a| {
-                at.instrument.incoming.pt_fmt = word::<Points>(a)?;
-                Ok(())
-            }),
+            outgoing!(pt_fmt, |at, a| at.instrument.incoming.pt_fmt = word::<Points>(a)?),
             "`Y` samples, `ENV` lowest and highest in turn",
         ),
         CommandRow::acts(
             "WFMPre:XINcr",
-            &Field(x_incr, |at, a| {
-                at.instrument.incoming.x_incr = real(a)?;
-                Ok(())
-            }),
+            outgoing!(x_incr, |at, a| at.instrument.incoming.x_incr = real(a)?),
             "from one point to the next",
         ),
-        CommandRow::acts(
-            "WFMPre:PT_Off",
-            &Field(
-                |_, _| ReplyValue::Integer(0),
-                |_, a| {
-                    real(a)?;
-                    Ok(())
-                },
-            ),
-            "always 0",
-        ),
+        CommandRow::acts("WFMPre:PT_Off", outgoing!(pt_off, |_, a| real(a)?), "always 0"),
         CommandRow::acts(
             "WFMPre:XZEro",
-            &Field(x_zero, |at, a| {
-                at.instrument.incoming.x_zero = real(a)?;
-                Ok(())
-            }),
+            outgoing!(x_zero, |at, a| at.instrument.incoming.x_zero = real(a)?),
             "abscissa of the first point",
         ),
         CommandRow::accepted(
             "WFMPre:XUNit",
-            &Field(x_unit, |_, a| {
-                text(a)?;
-                Ok(())
-            }),
+            outgoing!(x_unit, |_, a| text(a)?),
             "unit of the abscissa",
         ),
         CommandRow::accepted(
             "WFMPre:XMUlt",
-            &Both(
-                |at, a| {
-                    at.instrument.incoming.x_mult = real(a)?;
-                    Ok(())
-                },
-                |at| Ok(ReplyValue::Number(at.instrument.incoming.x_mult)),
-            ),
+            place!(|at| at.instrument.incoming.x_mult, real, ReplyValue::Number),
             "one step of the abscissa in XY, which no waveform of this instrument has",
         )
         .apart(),
         CommandRow::acts(
             "WFMPre:YMUlt",
-            &Field(y_mult, |at, a| {
-                at.instrument.incoming.y_mult = real(a)?;
-                Ok(())
-            }),
+            outgoing!(y_mult, |at, a| at.instrument.incoming.y_mult = real(a)?),
             "one step of the ordinate",
         ),
         CommandRow::acts(
             "WFMPre:YZEro",
-            &Field(y_zero, |at, a| {
-                at.instrument.incoming.y_zero = real(a)?;
-                Ok(())
-            }),
+            outgoing!(y_zero, |at, a| at.instrument.incoming.y_zero = real(a)?),
             "added after scaling",
         ),
         CommandRow::acts(
             "WFMPre:YOFf",
-            &Field(y_off, |at, a| {
-                at.instrument.incoming.y_off = real(a)?;
-                Ok(())
-            }),
+            outgoing!(y_off, |at, a| at.instrument.incoming.y_off = real(a)?),
             "step at which the ordinate is `YZEro`",
         ),
         CommandRow::accepted(
             "WFMPre:YUNit",
-            &Field(y_unit, |_, a| {
-                text(a)?;
-                Ok(())
-            }),
+            outgoing!(y_unit, |_, a| text(a)?),
             "unit of the ordinate",
         ),
         CommandRow::acts(
             "WFMPre:<wfm>",
-            &GroupQuery(Parts::Below),
+            group(Parts::Below),
             "the preamble of a waveform that `DATa:SOUrce` need not name",
         ),
         CommandRow::acts(
             "WFMPre:<wfm>:WFId",
-            &Query(|at| {
+            query(|at| {
                 let source = at.place.source;
                 wfid(at, source)
             }),
             ABOVE,
         ),
-        CommandRow::acts("WFMPre:<wfm>:NR_Pt", &Of(nr_pt, keep_nr_pt), ABOVE),
-        CommandRow::acts("WFMPre:<wfm>:PT_Fmt", &Of(pt_fmt, change_pt_fmt), ABOVE),
-        CommandRow::acts("WFMPre:<wfm>:XINcr", &Of(x_incr, change_x_incr), ABOVE),
         CommandRow::acts(
-            "WFMPre:<wfm>:PT_Off",
-            &Of(|_, _| ReplyValue::Integer(0), keep_pt_off),
+            "WFMPre:<wfm>:NR_Pt",
+            of_reference!(nr_pt, |w, _, a| whole(
+                a,
+                1,
+                u32::try_from(w.codes.len()).unwrap_or(u32::MAX).max(1)
+            )?),
             ABOVE,
         ),
-        CommandRow::acts("WFMPre:<wfm>:XZEro", &Of(x_zero, change_x_zero), ABOVE),
-        CommandRow::acts("WFMPre:<wfm>:XUNit", &Of(x_unit, change_x_unit), ABOVE),
-        CommandRow::acts("WFMPre:<wfm>:YMUlt", &Of(y_mult, change_y_mult), ABOVE),
-        CommandRow::acts("WFMPre:<wfm>:YZEro", &Of(y_zero, change_y_zero), ABOVE),
-        CommandRow::acts("WFMPre:<wfm>:YOFf", &Of(y_off, change_y_off), ABOVE),
-        CommandRow::acts("WFMPre:<wfm>:YUNit", &Of(y_unit, change_y_unit), ABOVE),
+        CommandRow::acts(
+            "WFMPre:<wfm>:PT_Fmt",
+            of_reference!(pt_fmt, |w, _, a| w.preamble.pt_fmt = word::<Points>(a)?.into()),
+            ABOVE,
+        ),
+        CommandRow::acts(
+            "WFMPre:<wfm>:XINcr",
+            of_reference!(x_incr, |w, _, a| w.preamble.x_incr = real(a)?),
+            ABOVE,
+        ),
+        CommandRow::acts("WFMPre:<wfm>:PT_Off", of_reference!(pt_off, |_, _, a| real(a)?), ABOVE),
+        CommandRow::acts(
+            "WFMPre:<wfm>:XZEro",
+            of_reference!(x_zero, |w, _, a| w.preamble.x_zero = real(a)?),
+            ABOVE,
+        ),
+        CommandRow::acts(
+            "WFMPre:<wfm>:XUNit",
+            of_reference!(x_unit, |w, _, a| text(a)?.clone_into(&mut w.preamble.x_unit)),
+            ABOVE,
+        ),
+        CommandRow::acts(
+            "WFMPre:<wfm>:YMUlt",
+            of_reference!(y_mult, |w, by, a| w.preamble.y_mult = real(a)? * by.steps()),
+            ABOVE,
+        ),
+        CommandRow::acts(
+            "WFMPre:<wfm>:YZEro",
+            of_reference!(y_zero, |w, _, a| w.preamble.y_zero = real(a)?),
+            ABOVE,
+        ),
+        CommandRow::acts(
+            "WFMPre:<wfm>:YOFf",
+            of_reference!(y_off, |w, by, a| w.preamble.y_off = real(a)? / by.steps() - by.shift()),
+            ABOVE,
+        ),
+        CommandRow::acts(
+            "WFMPre:<wfm>:YUNit",
+            of_reference!(y_unit, |w, _, a| si_unit(text(a)?).clone_into(&mut w.preamble.y_unit)),
+            ABOVE,
+        ),
     ],
 };
 
-/// One field of a waveform's preamble as it is sent.
-type Tell = fn(&Waveform, &Transfer) -> ReplyValue;
-type Take = fn(&mut Context<'_>, &[Argument]) -> Result<(), Stop>;
-
-/// A field of the waveform that `DATa:SOUrce` names, and of the one to come.
-struct Field(Tell, Take);
-
-impl Setting for Field {
-    fn access(&self) -> Access {
-        Access { sets: true, asks: true }
-    }
-
-    fn set(&self, at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
-        (self.1)(at, arguments)
-    }
-
-    fn get(&self, at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
-        let transfer = at.instrument.transfer;
-        Ok((self.0)(at.instrument.waveform(transfer.source)?.as_ref(), &transfer))
-    }
+/// Changes a reference memory's preamble; its scales follow.
+fn change_reference(
+    at: &mut Context<'_>,
+    change: &dyn Fn(&mut Waveform, &Transfer) -> Result<(), Event>,
+) -> Result<(), Stop> {
+    let Source::Reference(letter) = at.place.source else {
+        return Err(Event::NotAReference.into());
+    };
+    let mut changed = at.instrument.reference(letter).ok_or(Event::NotActive)?.clone();
+    change(&mut changed, &at.instrument.transfer)?;
+    let interval = changed.preamble.x_incr;
+    changed.horizontal_scale = interval / at.instrument.model.interval(1.0);
+    changed.trigger_point = if interval > 0.0 { -changed.preamble.x_zero / interval } else { 0.0 };
+    changed.vertical.scale = changed.preamble.y_mult * LEVELS_PER_DIVISION;
+    changed.vertical.position = changed.preamble.y_off / LEVELS_PER_DIVISION;
+    Ok(at.instrument.put_reference(changed, letter)?)
 }
 
-/// Changes one field of a reference memory's preamble.
-type Change = fn(&mut Waveform, &Transfer, &[Argument]) -> Result<(), Stop>;
-
-/// A field of the waveform in the header. Those of reference memories can be set.
-struct Of(Tell, Change);
-
-impl Setting for Of {
-    fn access(&self) -> Access {
-        Access { sets: true, asks: true }
-    }
-
-    fn set(&self, at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
-        let Source::Reference(letter) = at.place.source else {
-            return Err(Event::NotAReference.into());
-        };
-        let transfer = at.instrument.transfer;
-        let mut changed = at.instrument.reference(letter).ok_or(Event::NotActive)?.clone();
-        (self.1)(&mut changed, &transfer, arguments)?;
-        let interval = changed.preamble.x_incr;
-        changed.horizontal_scale = interval / at.instrument.model.interval(1.0);
-        changed.trigger_point =
-            if interval > 0.0 { -changed.preamble.x_zero / interval } else { 0.0 };
-        changed.vertical.scale = changed.preamble.y_mult * LEVELS_PER_DIVISION;
-        changed.vertical.position = changed.preamble.y_off / LEVELS_PER_DIVISION;
-        Ok(at.instrument.put_reference(changed, letter)?)
-    }
-
-    fn get(&self, at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
-        let Placeholder { source, .. } = at.place;
-        let transfer = at.instrument.transfer;
-        Ok((self.0)(at.instrument.waveform(source)?.as_ref(), &transfer))
-    }
+/// What a field's function tells of a waveform as it is sent.
+fn told(
+    at: &mut Context<'_>,
+    source: Source,
+    field: fn(&Waveform, &Transfer) -> ReplyValue,
+) -> Result<ReplyValue, Stop> {
+    let transfer = at.instrument.transfer;
+    Ok(field(at.instrument.waveform(source)?.as_ref(), &transfer))
 }
 
-fn keep_nr_pt(waveform: &mut Waveform, _: &Transfer, a: &[Argument]) -> Result<(), Stop> {
-    // A memory holds as many points as it was given.
-    let last = u32::try_from(waveform.codes.len()).unwrap_or(u32::MAX);
-    whole(a, 1, last.max(1))?;
-    Ok(())
-}
-
-fn keep_pt_off(_: &mut Waveform, _: &Transfer, a: &[Argument]) -> Result<(), Stop> {
-    real(a)?;
-    Ok(())
-}
-
-fn change_pt_fmt(waveform: &mut Waveform, _: &Transfer, a: &[Argument]) -> Result<(), Stop> {
-    waveform.preamble.pt_fmt = word::<Points>(a)?.into();
-    Ok(())
-}
-
-fn change_x_incr(waveform: &mut Waveform, _: &Transfer, a: &[Argument]) -> Result<(), Stop> {
-    waveform.preamble.x_incr = real(a)?;
-    Ok(())
-}
-
-fn change_x_zero(waveform: &mut Waveform, _: &Transfer, a: &[Argument]) -> Result<(), Stop> {
-    waveform.preamble.x_zero = real(a)?;
-    Ok(())
-}
-
-fn change_x_unit(waveform: &mut Waveform, _: &Transfer, a: &[Argument]) -> Result<(), Stop> {
-    text(a)?.clone_into(&mut waveform.preamble.x_unit);
-    Ok(())
-}
-
-fn change_y_mult(waveform: &mut Waveform, by: &Transfer, a: &[Argument]) -> Result<(), Stop> {
-    waveform.preamble.y_mult = real(a)? * by.steps();
-    Ok(())
-}
-
-fn change_y_zero(waveform: &mut Waveform, _: &Transfer, a: &[Argument]) -> Result<(), Stop> {
-    waveform.preamble.y_zero = real(a)?;
-    Ok(())
-}
-
-fn change_y_off(waveform: &mut Waveform, by: &Transfer, a: &[Argument]) -> Result<(), Stop> {
-    waveform.preamble.y_off = real(a)? / by.steps() - by.shift();
-    Ok(())
-}
-
-fn change_y_unit(waveform: &mut Waveform, _: &Transfer, a: &[Argument]) -> Result<(), Stop> {
-    let unit = text(a)?;
-    let unit = if unit.eq_ignore_ascii_case("volts") { "V" } else { unit };
-    unit.clone_into(&mut waveform.preamble.y_unit);
-    Ok(())
+/// Instruments write `Volts`.
+fn si_unit(unit: &str) -> &str {
+    if unit.eq_ignore_ascii_case("volts") { "V" } else { unit }
 }
 
 fn set_bits(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
@@ -322,10 +266,8 @@ fn nr_pt(waveform: &Waveform, transfer: &Transfer) -> ReplyValue {
     ReplyValue::Plain(transfer.range(waveform.codes.len()).len().to_string())
 }
 
-fn set_nr_pt(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
-    let last = u32::try_from(at.instrument.model.record_length).unwrap_or(u32::MAX);
-    at.instrument.incoming.nr_pt = usize::try_from(whole(arguments, 1, last)?).unwrap_or(1);
-    Ok(())
+fn pt_off(_: &Waveform, _: &Transfer) -> ReplyValue {
+    ReplyValue::Integer(0)
 }
 
 fn pt_fmt(waveform: &Waveform, _: &Transfer) -> ReplyValue {
@@ -365,30 +307,13 @@ fn y_unit(waveform: &Waveform, _: &Transfer) -> ReplyValue {
     ReplyValue::Text(if unit == "V" { "Volts".to_owned() } else { unit.clone() })
 }
 
-/// The waveform in words: `Ch1, DC coupling, 5.0E-1 V/div, 5.0E-2 s/div, 2500 points, Sample mode`.
+/// The waveform in words. A channel whose coupling is not known has DC coupling, a math trace has none.
 fn wfid(at: &mut Context<'_>, source: Source) -> Result<ReplyValue, Stop> {
-    let waveform = at.instrument.waveform(source)?;
-    let coupling = match waveform.vertical.coupling {
-        Some(Coupling::Ac) => "AC coupling, ",
-        Some(Coupling::Ground) => "GND coupling, ",
-        _ => "DC coupling, ",
-    };
-    let mode = match (waveform.preamble.pt_fmt, at.instrument.panel.acquire.mode) {
-        (PointFormat::Envelope, _) => "Peak Detect",
-        (PointFormat::Sample, AcquireMode::Average) => "Average",
-        (PointFormat::Sample, _) => "Sample",
-    };
-    let (name, coupling) = match source {
-        Source::Channel(number) => (format!("Ch{number}"), coupling),
-        Source::Math => ("Math".to_owned(), ""),
-        Source::Reference(letter) => (format!("Ref{letter}"), coupling),
-    };
-    let across = if waveform.preamble.x_unit == "Hz" { "Hz/div" } else { "s/div" };
-    Ok(ReplyValue::Text(format!(
-        "{name}, {coupling}{} {}/div, {} {across}, {} points, {mode} mode",
-        setting(waveform.vertical.scale),
-        waveform.preamble.y_unit,
-        setting(waveform.horizontal_scale),
-        waveform.codes.len(),
-    )))
+    let mut waveform = at.instrument.waveform(source)?.into_owned();
+    let coupling = waveform.vertical.coupling.unwrap_or(Coupling::Dc);
+    waveform.vertical.coupling = (source != Source::Math).then_some(coupling);
+    waveform.source = source;
+    let averages = at.instrument.panel.acquire.mode == AcquireMode::Average;
+    let mode = if averages { "Average" } else { "Sample" };
+    Ok(ReplyValue::Text(waveform_id(&waveform, setting, mode)))
 }

@@ -12,6 +12,7 @@ pub use table::{ChosenMethod, Order, Point, Reference};
 use serde::Serialize;
 
 use crate::experiment::comparison::level;
+use crate::numeric::statistics::StraightLine;
 use crate::scene::Scene;
 use points::{choice, name, point, reference, settings};
 
@@ -135,12 +136,7 @@ fn slope(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     if points.len() < 3 || most - least < APART.ln() {
         return None;
     }
-    let count = points.len() as f64;
-    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / count;
-    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
-    let covariance: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
-    let variance: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
-    let slope = covariance / variance;
-    let off: f64 = points.iter().map(|p| (p.1 - y - slope * (p.0 - x)).powi(2)).sum();
-    Some((slope, (off / (count - 2.0) / variance).sqrt()))
+    let weighted: Vec<(f64, f64, f64)> = points.iter().map(|(x, y)| (*x, *y, 1.0)).collect();
+    let line = StraightLine::through(&weighted);
+    Some((line.slope, line.slope_u(points.len())))
 }

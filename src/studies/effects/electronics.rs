@@ -47,7 +47,7 @@ fn unwired(effect: &'static str, criterion: &'static str) -> LedgerEntry {
 
 /// Digitiser levels in a channel's first peak, the fewest of all channels, from the signals as they are.
 fn levels_in_peak(subject: &BaselineRun<'_>) -> Option<f64> {
-    let found = signals(subject.scene, &subject.bench, subject.grid, 1);
+    let found = signals(subject.scene, &subject.bench, 1);
     let channels = subject.scene.scope.channels.iter().zip(found);
     let levels = channels.filter_map(|(channel, signal)| {
         let level = channel.as_ref()?.vertical.scale / LEVELS_PER_DIVISION;
@@ -138,7 +138,7 @@ pub fn bandwidth(subject: &BaselineRun<'_>) -> LedgerEntry {
     let criterion = "delay of the slowest channel / sample interval";
     let ratios = |scene: &Scene| -> Vec<Option<f64>> {
         let ratio = |c: &Option<_>| {
-            c.as_ref().map(|c| bandwidth_ratio(&scene.scope, c, subject.grid.interval))
+            c.as_ref().map(|c| bandwidth_ratio(&scene.scope, c, subject.bench.grid().interval))
         };
         scene.scope.channels.iter().map(ratio).collect()
     };
@@ -152,7 +152,7 @@ pub fn bandwidth(subject: &BaselineRun<'_>) -> LedgerEntry {
     let (times, mut change) = of_electronics(subject, scene, &endless);
     let is_on = delay > NEGLIGIBLE_DELAY;
     if !is_on {
-        let off = signals(scene, &subject.bench, subject.grid, 1);
+        let off = signals(scene, &subject.bench, 1);
         let filter = |(signal, ratio): (&Option<Vec<f64>>, &Option<f64>)| {
             signal.as_ref().zip(*ratio).map(|(signal, ratio)| low_pass(signal, ratio))
         };
@@ -233,7 +233,7 @@ pub fn scope_noise(subject: &BaselineRun<'_>) -> LedgerEntry {
 
 /// The converter's levels.
 pub fn quantisation(subject: &BaselineRun<'_>) -> LedgerEntry {
-    let off = signals(subject.scene, &subject.bench, subject.grid, 1);
+    let off = signals(subject.scene, &subject.bench, 1);
     let rounded = |(signal, channel): (&Option<Vec<f64>>, &Option<crate::scope::ChannelSetup>)| {
         let level = channel.as_ref()?.vertical.scale / LEVELS_PER_DIVISION;
         Some(signal.as_ref()?.iter().map(|volts| (volts / level).round() * level).collect())

@@ -9,7 +9,6 @@
 mod chain;
 mod electronics;
 mod entry;
-mod subject;
 mod trial;
 
 pub use entry::{EffectState, EffectVerdict, LedgerEntry};
@@ -18,7 +17,7 @@ pub use trial::{Change, RunTimes};
 use crate::experiment::{Integration, RunError, auto_effects};
 use crate::scene::Scene;
 use entry::EffectFinding;
-use subject::BaselineRun;
+use trial::BaselineRun;
 
 /// Effects of sensors and scope, which change records and not the motion.
 const OF_RECORDS: [&str; 7] = [

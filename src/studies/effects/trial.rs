@@ -4,11 +4,13 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-use super::BaselineRun;
+use crate::chain::Chain;
 use crate::experiment::acquisition::signals;
+use crate::experiment::bench::Bench;
 use crate::experiment::comparison::run;
 use crate::experiment::outcome::{Reading, speeds};
-use crate::experiment::{Integration, method};
+use crate::experiment::{Integration, RunError, film_grid, method, sample_grid, scene_bench};
+use crate::numeric::statistics::median;
 use crate::scene::{Scene, input_load};
 use crate::scope::waveform::LEVELS_PER_DIVISION;
 
@@ -51,12 +53,6 @@ pub fn largest(values: impl Iterator<Item = f64>) -> Option<f64> {
     values.reduce(|most, value| if value.abs() > most.abs() { value } else { most })
 }
 
-/// The median (unit).
-fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
-}
-
 /// Runs `with` and `without` in turn, each of which returns its wall time (s).
 fn run_times(
     mut with: impl FnMut() -> Option<f64>,
@@ -70,7 +66,7 @@ fn run_times(
         times[0].push(with()?);
         times[1].push(without()?);
     }
-    let [with_s, without_s] = times.each_mut().map(|times| median(times));
+    let [with_s, without_s] = times.map(median);
     Some(RunTimes { with_s, without_s })
 }
 
@@ -107,14 +103,8 @@ fn newtons_a_level(scene: &Scene, index: usize) -> Option<f64> {
 
 /// Speeds between neighbouring sensors by half-rise (m/s).
 fn speeds_of(scene: &Scene, readings: &[Reading]) -> Vec<((usize, usize), f64)> {
-    let named = scene.sensors.iter().zip(readings).map(|(placed, reading)| {
-        let particle = match placed.site {
-            crate::scene::Site::Particle(particle) => Some(particle),
-            crate::scene::Site::Wall => None,
-        };
-        Reading { particle, offset: placed.offset, ..reading.clone() }
-    });
-    let named: Vec<Reading> = named.filter(|reading| reading.particle.is_some()).collect();
+    let named = readings.iter().filter(|reading| reading.particle.is_some()).cloned();
+    let named: Vec<Reading> = named.collect();
     let found = speeds(&scene.chain, &named);
     let found = found.into_iter().filter(|speed| speed.estimator == "half_rise");
     found
@@ -153,7 +143,8 @@ struct PulseReading {
 
 /// Where to look for the first peak of each channel, by the force behind it: half a rise before and after it.
 fn windows(subject: &BaselineRun<'_>) -> Vec<Option<(usize, usize)>> {
-    let BaselineRun { scene, bench, grid, .. } = subject;
+    let BaselineRun { scene, bench, .. } = subject;
+    let grid = bench.grid();
     let window = |channel: &crate::scope::ChannelSetup| {
         let place = scene.sensors.iter().position(|s| Some(&s.name) == channel.input.as_ref())?;
         let reading = Reading::of("", None, 0.0, &bench.watches().get(place)?.pulse);
@@ -176,7 +167,7 @@ fn pulse_reading(signal: &[f64], (first, last): (usize, usize)) -> Option<PulseR
 
 /// Results of two treatments of the same signals (V).
 pub fn of_signals(subject: &BaselineRun<'_>, on: &ChannelVolts, off: &ChannelVolts) -> Change {
-    let BaselineRun { scene, grid, .. } = subject;
+    let (scene, grid) = (subject.scene, subject.bench.grid());
     let places = windows(subject);
     let channels = scene.scope.channels.iter().zip(places).zip(on.iter().zip(off));
     let seen = channels.filter_map(|((channel, window), (on, off))| {
@@ -204,10 +195,9 @@ pub type ChannelVolts = Vec<Option<Vec<f64>>>;
 
 /// Signals of one motion with and without an effect of sensors or scope.
 pub fn of_electronics(subject: &BaselineRun<'_>, with: &Scene, without: &Scene) -> EffectTrial {
-    let BaselineRun { bench, grid, .. } = subject;
     let timed = |scene: &Scene| {
         let started = Instant::now();
-        let found = signals(scene, bench, *grid, 1);
+        let found = signals(scene, &subject.bench, 1);
         (started.elapsed().as_secs_f64(), found)
     };
     let ((_, on), (_, off)) = (timed(with), timed(without));
@@ -218,4 +208,34 @@ pub fn of_electronics(subject: &BaselineRun<'_>, with: &Scene, without: &Scene) 
     // The motion is the same, and part of both times.
     let wall = |scene: &Scene| Some(timed(scene).0 + motion);
     (run_times(|| wall(with), || wall(without)), of_signals(subject, &on, &off))
+}
+
+/// The reference of all entries: the scene as it is run, and that run.
+pub(super) struct BaselineRun<'a> {
+    /// The scene with `auto` decided.
+    pub(super) scene: &'a Scene,
+    pub(super) accuracy: f64,
+    pub(super) bench: Bench<'a>,
+    /// The smallest first peak; infinite where nothing was felt (N).
+    pub(super) wave: f64,
+}
+
+impl<'a> BaselineRun<'a> {
+    pub(super) fn new(scene: &'a Scene, accuracy: f64) -> Result<Self, RunError> {
+        let method = method(scene, Integration::Accuracy(accuracy))?;
+        let grids = (sample_grid(scene, 1), film_grid(scene));
+        let mut bench = scene_bench(scene, &scene.initial_velocities, method, grids);
+        bench.run_until(scene.duration, true, &mut |_| ())?;
+        let peaks = bench.watches().iter().filter_map(|watch| watch.pulse.first_peak());
+        let wave = peaks.map(|peak| peak.dynamic_n).fold(f64::INFINITY, f64::min);
+        Ok(Self { scene, accuracy, bench, wave })
+    }
+
+    /// The scene after `edit` of its spec, the chain put together again.
+    pub(super) fn rebuilt(&self, edit: impl FnOnce(&mut Scene)) -> Result<Scene, String> {
+        let mut scene = self.scene.clone();
+        edit(&mut scene);
+        scene.chain = Chain::new(&scene.spec).map_err(|error| error.to_string())?;
+        Ok(scene)
+    }
 }

@@ -14,8 +14,6 @@ pub const STEEL: Elasticity = Elasticity { youngs_modulus: 193e9, poissons_ratio
 pub const LIGHT: f64 = 0.1226e-3;
 /// Mass of a steel cylinder of the bench (kg).
 pub const HEAVY: f64 = 0.485e-3;
-/// Later than any run: for grids without samples.
-const NEVER: Grid = Grid { start: f64::MAX, interval: 1.0 };
 /// Tolerance of the steps of a reference by another family of methods (1).
 const REFERENCE: f64 = 1e-13;
 /// The same with losses, by a pair of lower order (1).
@@ -114,7 +112,8 @@ impl MovingChain<'_> {
         probes: &[ForceProbe],
         time: f64,
     ) -> Result<Vec<Option<Peak>>, String> {
-        let mut bench = Bench::new(self.chain, &self.velocities, method, probes, (NEVER, NEVER));
+        let mut bench =
+            Bench::new(self.chain, &self.velocities, method, probes, (Grid::NEVER, Grid::NEVER));
         bench.run_until(time, true, &mut |_| ()).map_err(|error| error.to_string())?;
         Ok(bench.watches().iter().map(|watch| watch.pulse.first_peak()).collect())
     }
@@ -182,7 +181,8 @@ impl MovingChain<'_> {
         let reference = Method::DormandPrince54 { tolerance: LOSSY_REFERENCE };
         let method = method_for(self.chain, &self.velocities, accuracy);
         self.hold_peaks(tally, what, asked, [method, reference])?;
-        let mut bench = Bench::new(self.chain, &self.velocities, method, &[], (NEVER, NEVER));
+        let mut bench =
+            Bench::new(self.chain, &self.velocities, method, &[], (Grid::NEVER, Grid::NEVER));
         let mut most = 0.0_f64;
         let mut end = 0.0;
         for instant in 1..=INSTANTS {

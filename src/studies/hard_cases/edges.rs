@@ -4,7 +4,7 @@ use super::HardCase;
 use super::benches::{HEAVY, MovingChain, diatomic, pressed, set_moving, spheres};
 use super::tally::CaseChecks;
 use crate::chain::Chain;
-use crate::experiment::energy::EnergyLedger;
+use crate::experiment::outcome::EnergyLedger;
 use crate::experiment::{Integration, RunError, run};
 use crate::integrate::Method;
 use crate::scene::Scene;

@@ -3,7 +3,7 @@
 //! Each candidate is a whole calibration of six impacts, two each from a height, half and a quarter of it, recorded by the virtual
 //! scope and calibrated blind: it is handed records and stated values, which are off the true ones as their uncertainties say.
 
-use super::blind::BlindCalibration;
+use super::simulation::BlindCalibration;
 use crate::quantity::Uncertain;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;

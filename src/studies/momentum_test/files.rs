@@ -3,7 +3,7 @@
 use crate::quantity::Uncertain;
 use std::fmt::Write as _;
 
-use super::blind::BlindCalibration;
+use super::simulation::BlindCalibration;
 use crate::analysis::calibration::model::SpeedSource;
 use crate::recording::{Origin, Shot, TraceSet};
 use crate::scene::input_load;

@@ -1,9 +1,8 @@
 //! Momentum tests on the simulated bench: their design, the coverage of the uncertainties that they state, and their files.
 
-mod blind;
 pub mod coverage;
 pub mod design;
 pub mod files;
 pub mod simulation;
 
-pub use blind::BlindCalibration;
+pub use simulation::BlindCalibration;

@@ -7,9 +7,13 @@
 use rand_distr::{Distribution, StandardUniform};
 use rand_pcg::Pcg64;
 
+use crate::analysis::calibration::model::Common;
+use crate::analysis::calibration::{
+    Calibration, CalibrationError, Draws, PlannedStrike, calibrate,
+};
 use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, RunError, run};
-use crate::recording::{Capture, InstrumentIdentity};
+use crate::recording::{Capture, InstrumentIdentity, TrueSignal};
 use crate::scene::{Scene, SceneError};
 use crate::scope::acquire::{before_trigger, digitise, find_trigger};
 use crate::scope::front_end::{condition, noise_stream};
@@ -100,9 +104,10 @@ pub fn strike(striker: &DroppedStriker, speed: f64) -> Result<ImpactTruth, TestE
         );
         let scene = Scene::from_text(SCENE, "momentum test", &text)?;
         let outcome = run(&scene, Integration::Accuracy(of_scene(&scene)?.value), 1, &mut |_| ())?;
-        let named = |name: &str| outcome.shot.truth.iter().find(|t| t.name.starts_with(name));
+        let force = outcome.shot.true_signal(&TrueSignal::Force("item".to_owned()));
+        let path = outcome.shot.true_signal(&TrueSignal::Displacement(0));
         let gravity = scene.spec.effects.gravity.map_or(0.0, |gravity| gravity.acceleration);
-        if let (Some(force), Some(path)) = (named("sensor/item"), named("bead/0"))
+        if let (Some(force), Some(path)) = (force, path)
             && let Some(truth) = freed(force, path, gravity, speed)
         {
             return Ok(truth);
@@ -203,4 +208,27 @@ fn between(trace: &Trace, time: f64) -> f64 {
     let index = place.floor() as usize;
     let at = |i: usize| trace.values.get(i).copied().unwrap_or(0.0);
     at(index) + (place - index as f64) * (at(index + 1) - at(index))
+}
+
+/// One blind calibration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BlindCalibration {
+    /// The plan and recordings given to the calibration.
+    pub strikes: Vec<PlannedStrike>,
+    /// And what its inputs share.
+    pub common: Common,
+    /// The captures that records were taken from.
+    pub captures: Vec<Capture>,
+    /// The hidden values.
+    pub circuit: Circuit,
+}
+
+impl BlindCalibration {
+    /// Calibrates with what it is told, without the Monte-Carlo part.
+    ///
+    /// # Errors
+    /// As [`calibrate`].
+    pub fn calibrate(&self) -> Result<Calibration, CalibrationError> {
+        calibrate(&self.strikes, &self.common, Draws { seed: 0, count: 0 })
+    }
 }

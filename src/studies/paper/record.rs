@@ -5,9 +5,9 @@ use crate::analysis::gate::Gate;
 use crate::analysis::spectrum::{Analyser, Spectrum, SpectrumSettings};
 use crate::chain::ForceProbe;
 use crate::experiment::bench::{Bench, Grid};
-use crate::experiment::method_choice;
 use crate::experiment::pulse::{HALF_RISE_SHARE, Peak, PulseRecorder};
-use crate::experiment::{Integration, run};
+use crate::experiment::{Integration, method, run};
+use crate::recording::TrueSignal;
 use crate::scene::{DEFAULT_ACCURACY, Scene};
 use crate::trace::Trace;
 
@@ -37,20 +37,13 @@ impl ForceRecord {
         let chain = &scene.chain;
         let probes: Option<Vec<ForceProbe>> = places.iter().map(|p| p.probe(chain)).collect();
         let probes = probes.ok_or_else(|| nothing(scene, "such place"))?;
-        let method = method_choice::method(scene, accuracy(scene));
+        let method = method(scene, Integration::Accuracy(accuracy(scene)))?;
         let grid = Grid { start: 0.0, interval: SAMPLE_INTERVAL };
-        let never = Grid { start: f64::MAX, interval: 1.0 };
         let velocities = &scene.initial_velocities;
-        let mut bench = Bench::new(chain, velocities, method, &probes, (grid, never));
+        let mut bench = Bench::new(chain, velocities, method, &probes, (grid, Grid::NEVER));
         bench.run_until(scene.duration, true, &mut |_| ())?;
         let felt = places.iter().zip(bench.watches()).map(|(place, watch)| {
-            let trace = Trace {
-                name: place.words(chain),
-                unit: "N".to_owned(),
-                start: grid.start,
-                interval: grid.interval,
-                values: watch.samples.clone(),
-            };
+            let trace = grid.trace(&place.words(chain), "N", watch.samples.clone());
             (*place, trace, watch.pulse.clone())
         });
         Ok(Self { scene: scene.clone(), felt: felt.collect() })
@@ -179,9 +172,10 @@ pub(super) fn record_run(scene: &Scene, signals: &[ForceSignal]) -> Result<Figur
     let integration = Integration::Accuracy(accuracy(scene));
     let mut outcome = run(scene, integration, 1, &mut |_| ())?;
     let truth = &mut outcome.shot.truth;
-    truth.retain(|trace| !trace.name.starts_with("sensor/"));
+    truth.retain(|trace| !matches!(TrueSignal::of(trace), Some(TrueSignal::Force(_))));
     for signal in signals.iter().rev() {
-        let name = format!("sensor/{}: dynamic force {}", signal.place.key(), signal.trace.name);
+        let topic = TrueSignal::Force(signal.place.key());
+        let name = format!("{topic}: dynamic force {}", signal.trace.name);
         truth.insert(0, Trace { name, ..signal.trace.clone() });
     }
     Ok(FigureRun { scene: scene.clone(), integration, outcome })

@@ -12,6 +12,7 @@ use crate::chain::{Chain, Dashpot, EndOfContact, ForceProbe, LossSpec};
 use crate::experiment::ensemble::{Case, Ensemble};
 use crate::experiment::paper_speeds::{PaperSpeed, speeds};
 use crate::experiment::pulse::{HALF_RISE_SHARE, PulseRecorder};
+use crate::numeric::roots::golden_section;
 use crate::scene::Scene;
 
 /// Particles between which speeds are taken.
@@ -85,7 +86,7 @@ pub(super) fn study(progress: &mut dyn FnMut(f64)) -> Result<SpeedStudy, PaperEr
     let lowest = (0..costs.len()).min_by(|a, b| costs[*a].total_cmp(&costs[*b])).unwrap_or(0);
     let bracket = [lowest.saturating_sub(1), (lowest + 1).min(DASHPOT_SCAN.len() - 1)]
         .map(|i| DASHPOT_SCAN[i]);
-    let dashpot = golden_section(bracket, &mut |dashpot| {
+    let dashpot = golden_section::<PaperError>(bracket, DASHPOT_STEP, &mut |dashpot| {
         Ok(rms(&half_rises(&speeds_of(&scenes, dashpot, true)?), &measured))
     })?;
     progress(1.0);
@@ -102,28 +103,6 @@ pub(super) fn study(progress: &mut dyn FnMut(f64)) -> Result<SpeedStudy, PaperEr
 fn rms(found: &[f64], measured: &[f64]) -> f64 {
     let squares: f64 = found.iter().zip(measured).map(|(a, b)| (a - b) * (a - b)).sum();
     (squares / found.len() as f64).sqrt()
-}
-
-/// The minimum of `cost` between two places, to [`DASHPOT_STEP`].
-fn golden_section(
-    [mut low, mut high]: [f64; 2],
-    cost: &mut dyn FnMut(f64) -> Result<f64, PaperError>,
-) -> Result<f64, PaperError> {
-    let share = 0.5 * (5f64.sqrt() - 1.0);
-    let mut inner = [high - share * (high - low), low + share * (high - low)];
-    let mut costs = [cost(inner[0])?, cost(inner[1])?];
-    while high - low > DASHPOT_STEP {
-        if costs[0] < costs[1] {
-            high = inner[1];
-            inner = [high - share * (high - low), inner[0]];
-            costs = [cost(inner[0])?, costs[0]];
-        } else {
-            low = inner[0];
-            inner = [inner[1], low + share * (high - low)];
-            costs = [costs[1], cost(inner[1])?];
-        }
-    }
-    Ok(0.5 * (low + high))
 }
 
 /// Speeds of all scenes with one dashpot in every contact (N s/m), at their accuracy, or less while the best one is looked for.

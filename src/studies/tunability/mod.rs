@@ -11,8 +11,8 @@ pub use knob::TuningParameter;
 
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::gate::Gate;
+use crate::analysis::spectrum::Window;
 use crate::analysis::spectrum::{Analyser, Spectrum, SpectrumError, SpectrumSettings};
-use crate::analysis::window::Window;
 use crate::chain::{ChainError, ForceProbe};
 use crate::experiment::bench::{Bench, Grid};
 use crate::experiment::method_choice;
@@ -21,7 +21,6 @@ use crate::experiment::pulse::{HALF_RISE_SHARE, PulseRecorder};
 use crate::integrate::IntegrateError;
 use crate::measurement::metadata::cell;
 use crate::scene::{Scene, Site};
-use crate::trace::Trace;
 use knob::sensed;
 
 /// Accuracy of the simulations: far below what a shade or a curve shows (1).
@@ -143,8 +142,7 @@ fn point(scene: &Scene, knob: TuningParameter, value: f64) -> Result<TunedPoint,
     let velocities = &turned.initial_velocities;
     let method = method_choice::method_for(chain, velocities, MAP_ACCURACY);
     let grid = Grid { start: 0.0, interval: MAP_SAMPLE_INTERVAL };
-    let never = Grid { start: f64::MAX, interval: 1.0 };
-    let mut bench = Bench::new(chain, velocities, method, &probes, (grid, never));
+    let mut bench = Bench::new(chain, velocities, method, &probes, (grid, Grid::NEVER));
     bench.run_until(turned.duration, true, &mut |_| ())?;
     let [first, last] = bench.watches() else {
         return Err(TuneError::Sensors { scene: scene.name.clone(), found: bench.watches().len() });
@@ -154,13 +152,7 @@ fn point(scene: &Scene, knob: TuningParameter, value: f64) -> Result<TunedPoint,
     let times = half_rise(&first.pulse).zip(half_rise(&last.pulse));
     let distance = chain.distance(ends[0], ends[1]);
     let peaks = first.pulse.first_peak().zip(last.pulse.first_peak());
-    let trace = Trace {
-        name: knob.name().to_owned(),
-        unit: "N".to_owned(),
-        start: grid.start,
-        interval: grid.interval,
-        values: last.samples.clone(),
-    };
+    let trace = grid.trace(knob.name(), "N", last.samples.clone());
     let gate = Gate { from: 0.0, to: turned.duration };
     let settings = SpectrumSettings { gate, window: Window::Hann, ..SpectrumSettings::default() };
     Ok(TunedPoint {

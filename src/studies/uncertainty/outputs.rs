@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::regression::{InputShare, shares};
 use crate::experiment::outcome::{Reading, Speed};
 use crate::experiment::prediction::Prediction;
+use crate::numeric::statistics::quantile;
 use crate::quantity::Uncertain;
 
 /// An output with its interval.
@@ -132,17 +133,4 @@ pub(super) fn bands(nominal: &Prediction, samples: &[(&[f64], &Prediction)]) -> 
         }
     };
     nominal.traces.iter().enumerate().map(band).collect()
-}
-
-/// The quantile of sorted values, on a straight line between two.
-fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let place = share * sorted.len().saturating_sub(1) as f64;
-    let index = place.floor() as usize;
-    let at = |index: usize| sorted.get(index).copied();
-    let (low, high) = (at(index), at(index + 1));
-    match (low, high) {
-        (Some(low), Some(high)) => low + (place - place.floor()) * (high - low),
-        (Some(low), None) => low,
-        _ => f64::NAN,
-    }
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::analysis::linear::solve;
+use crate::numeric::linear::solve;
 
 /// One input's part in an output.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -1,6 +1,5 @@
 //! The results of a sweep as a file: CSV, JSON lines, or Parquet. What was there is replaced when the new file is whole.
 
-mod json_lines;
 #[cfg(feature = "parquet")]
 mod parquet_file;
 
@@ -8,7 +7,7 @@ use std::borrow::Cow;
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
-use super::plan::Column;
+use super::plan::{Column, ColumnKind};
 use super::row::ResultRow;
 use super::{SweepError, at};
 use crate::files::{NewFile, Output as _};
@@ -72,7 +71,7 @@ impl TableWriter {
         match &mut self.out {
             Out::Csv(out) => writeln!(out, "{line}").map_err(at(&self.file)),
             Out::JsonLines(out, columns) => {
-                let object = json_lines::object(columns, cells);
+                let object = object(columns, cells);
                 writeln!(out, "{object}").map_err(at(&self.file))
             }
             #[cfg(feature = "parquet")]
@@ -91,4 +90,27 @@ impl TableWriter {
         };
         Box::new(file).complete().map(|_| ()).map_err(at(&self.file))
     }
+}
+
+/// The object of a run. Numbers stand there with the digits that they have in the log; what is not known is null.
+fn object(columns: &[Column], cells: &[Cow<'_, str>]) -> String {
+    let mut text = String::from("{");
+    for (index, (column, cell)) in columns.iter().zip(cells).enumerate() {
+        if index > 0 {
+            text.push(',');
+        }
+        text.push_str(&quoted(&column.name));
+        text.push(':');
+        match column.kind {
+            _ if cell.is_empty() => text.push_str("null"),
+            ColumnKind::Number | ColumnKind::Count => text.push_str(cell),
+            ColumnKind::Text => text.push_str(&quoted(cell)),
+        }
+    }
+    text.push('}');
+    text
+}
+
+fn quoted(text: &str) -> String {
+    serde_json::Value::from(text).to_string()
 }

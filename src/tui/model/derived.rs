@@ -3,9 +3,9 @@
 
 use super::ScreenState;
 use super::state::{Derived, DerivedKey, MeasurementReading, Page, SidePanel};
+use crate::analysis::spectrum::Window;
 use crate::analysis::spectrum::{Analyser, Spectrum, SpectrumSettings};
 use crate::analysis::time_frequency::{Pieces, Spectrogram};
-use crate::analysis::window::Window;
 use crate::instrument::measure::{measure, unit};
 use crate::instrument::panel::MeasurementType;
 use crate::measurement::arrivals::survey;

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use super::ScreenState;
 use super::state::{Page, PartialRecording, PersistedTraces, Request, SidePanel};
 use crate::recording::mcap::ShotNotes;
-use crate::recording::{Shot, TraceSet};
+use crate::recording::{Shot, TraceSet, TrueSignal};
+use crate::trace::Trace;
 use crate::tui::axis::{TurnDirection, ViewWindow};
 
 /// So many shots stay on screen behind the present one.
@@ -230,7 +231,9 @@ impl ScreenState {
 
     /// First and last time of the film on the bench's own clock; none where the shot has none (s).
     pub fn film_span(&self) -> Option<(f64, f64)> {
-        let film = self.shot()?.truth.iter().find(|trace| trace.name.contains("contact/"))?;
+        let is_contact =
+            |trace: &&Trace| matches!(TrueSignal::of(trace), Some(TrueSignal::Contact(_)));
+        let film = self.shot()?.truth.iter().find(is_contact)?;
         Some((film.start, film.time(film.values.len().checked_sub(1)?)))
     }
 

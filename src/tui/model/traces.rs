@@ -2,7 +2,7 @@
 
 use super::ScreenState;
 use crate::measurement::force::{Forces, ForcesError, forces};
-use crate::recording::Capture;
+use crate::recording::{Capture, TrueSignal};
 use crate::scope::{Source, VerticalSetup, Waveform};
 use crate::trace::Trace;
 use crate::tui::axis::Steps;
@@ -74,12 +74,7 @@ impl ScreenState {
         }
         let shot = self.shot()?;
         let sensor = self.sensor(waveform.source)?;
-        let topic = format!("sensor/{}", sensor.name);
-        let named = |trace: &&Trace| {
-            let name = trace.name.strip_prefix("/truth/").unwrap_or(&trace.name);
-            name.split(':').next() == Some(topic.as_str())
-        };
-        let felt = shot.truth.iter().find(named)?;
+        let felt = shot.true_signal(&TrueSignal::Force(sensor.name.clone()))?;
         let rest = felt.values.first().copied().unwrap_or(0.0);
         let gain = match waveform.preamble.y_unit.as_str() {
             "N" => 1.0,

@@ -12,6 +12,7 @@ use super::axes::put;
 use super::layout::ScreenLayout;
 use super::readout::compact;
 use super::{colour, message};
+use crate::recording::TrueSignal;
 use crate::scene::{Scene, Site};
 use crate::trace::Trace;
 use crate::tui::model::ScreenState;
@@ -36,33 +37,30 @@ struct Film<'a> {
 }
 
 /// Traces of one kind with their numbers, in order.
-fn numbered<'a>(model: &'a ScreenState, kind: &str) -> Vec<(usize, &'a Trace)> {
-    let shot = model.shot();
-    let number = |trace: &Trace| {
-        let name = trace.name.strip_prefix("/truth/").unwrap_or(&trace.name);
-        name.strip_prefix(kind)?.split(':').next()?.parse().ok()
-    };
-    let mut found: Vec<(usize, &Trace)> = shot
-        .into_iter()
-        .flat_map(|shot| &shot.truth)
-        .filter_map(|trace| Some((number(trace)?, trace)))
-        .collect();
+fn numbered(model: &ScreenState, number: fn(TrueSignal) -> Option<usize>) -> Vec<(usize, &Trace)> {
+    let traces = model.shot().into_iter().flat_map(|shot| &shot.truth);
+    let mut found: Vec<(usize, &Trace)> =
+        traces.filter_map(|trace| Some((TrueSignal::of(trace).and_then(number)?, trace))).collect();
     found.sort_by_key(|(number, _)| *number);
     found
 }
 
 impl<'a> Film<'a> {
     fn of(model: &'a ScreenState) -> Option<Self> {
-        let contacts = numbered(model, "contact/");
+        let contact = |signal| match signal {
+            TrueSignal::Contact(contact) => Some(contact),
+            _ => None,
+        };
+        let body = |signal| match signal {
+            TrueSignal::Displacement(body) => Some(body),
+            _ => None,
+        };
+        let contacts = numbered(model, contact);
         let mut dynamic: Vec<f64> = contacts.iter().map(|(_, trace)| largest(trace)).collect();
         dynamic.sort_by(f64::total_cmp);
         let place = dynamic.len().saturating_sub(1 + dynamic.len() / OUTLIER_DIVISOR);
         let strongest = dynamic.get(place).copied().unwrap_or(0.0);
-        (!contacts.is_empty()).then(|| Self {
-            contacts,
-            beads: numbered(model, "bead/"),
-            strongest,
-        })
+        (!contacts.is_empty()).then(|| Self { contacts, beads: numbered(model, body), strongest })
     }
 }
 

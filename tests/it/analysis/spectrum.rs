@@ -3,8 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use hertzscope::analysis::gate::Gate;
+use hertzscope::analysis::spectrum::Window;
 use hertzscope::analysis::spectrum::{Analyser, Convention, SpectrumError, SpectrumSettings};
-use hertzscope::analysis::window::Window;
 use hertzscope::trace::Trace;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;

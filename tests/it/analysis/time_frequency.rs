@@ -3,9 +3,9 @@
 use std::f64::consts::TAU;
 
 use hertzscope::analysis::gate::Gate;
+use hertzscope::analysis::spectrum::Window;
 use hertzscope::analysis::spectrum::{Analyser, SpectrumSettings};
 use hertzscope::analysis::time_frequency::{Pieces, Spectrogram, SpectrogramError};
-use hertzscope::analysis::window::Window;
 
 use super::spectrum::sampled;
 

@@ -363,7 +363,10 @@ fn a_step_that_reads_wrong_is_told() {
     };
     let notes = |summary: &Value| {
         let notes = summary["notes"].as_array().expect("a list").iter();
-        notes.map(|note| note.as_str().expect("words").to_owned()).collect::<Vec<_>>().join("\n")
+        notes
+            .map(|note| note["sentence"].as_str().expect("words").to_owned())
+            .collect::<Vec<_>>()
+            .join("\n")
     };
     let wrong = run("7.13us");
     let told = notes(&wrong);

@@ -282,7 +282,8 @@ fn a_table_that_ends_is_told() {
         [[effects.magnet_preload.measured]]\ndistance = \"0.5 mm\"\nforce = \"2.05 N\"\n";
     let found = Scene::from_text("s", "s.toml", measured).expect("a scene");
     let said = simulate(&found, 1e-6);
-    let note = said.notes.iter().find(|note| note.contains("beyond the ends of its table"));
+    let note =
+        said.notes.iter().find(|note| note.sentence.contains("beyond the ends of its table"));
     assert!(note.is_some(), "{:?}", said.notes);
     assert!(said.energy.drift.abs() < 1e-6 * said.steps as f64, "{:e}", said.energy.drift);
 }

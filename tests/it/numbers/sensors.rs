@@ -68,10 +68,9 @@ fn a_calibration_in_another_host_is_noted() {
         let scene = scene("magnet-0.61g", &text);
         let summary =
             run(&scene, Integration::Accuracy(1e-3), 1, &mut |_| ()).expect("a run").summary;
-        let noted = summary
-            .notes
-            .iter()
-            .any(|note| note.contains("was calibrated in steel_cylinder and sits in ptfe_sphere"));
+        let noted = summary.notes.iter().any(|note| {
+            note.sentence.contains("was calibrated in steel_cylinder and sits in ptfe_sphere")
+        });
         assert_eq!(noted, is_noted, "{host}: {:?}", summary.notes);
     }
 }

@@ -34,17 +34,18 @@ fn masses_follow_from_density_and_shape() {
     for (body, mass) in [(&scene.spec.particles[0], 4.0893e-3), (striker, 1.3305e-3)] {
         assert!((body.mass / mass - 1.0).abs() < 1e-4, "{}", body.mass);
     }
-    assert!(scene.decided.is_empty(), "{:?}", scene.decided);
+    assert!(scene.notes.is_empty(), "{:?}", scene.notes);
 }
 
 #[test]
 fn a_mass_that_does_not_go_with_its_shape_is_noted() {
     let ball = "material = \"steel_440c\"\ndiameter = \"9.5 mm\"\nmass = ";
-    let notes = |mass: &str| scene(&format!("{ball}\"{mass}\""), "").expect("a scene").decided;
+    let notes = |mass: &str| scene(&format!("{ball}\"{mass}\""), "").expect("a scene").notes;
     assert!(notes("3.5 g").is_empty());
     let [note] = &notes("3.5 kg")[..] else { panic!("one note") };
     assert!(
-        note.contains("ball: its mass of 3.50 kg is 1019") && note.contains("3.43 g"),
+        note.sentence.contains("ball: its mass of 3.50 kg is 1019")
+            && note.sentence.contains("3.43 g"),
         "{note}"
     );
 }

@@ -1,9 +1,12 @@
 //! A transcript a group of commands, byte for byte, on the wire: `transcripts/<group>.txt`.
 //!
+//! A change detector: the replies were written by this server. They show what a change does to them, and are no reference, except where
+//! a transcript's head names one.
+//!
 //! `> ` is a message that is sent, `< ` the reply to the one before, with bytes that cannot be printed escaped; a message without a
 //! reply is followed by none; `# ` is a comment. Every command of the table is in the transcript of its group.
-//! `HERTZSCOPE_WRITE=1` writes the replies anew: what has changed is then to be held against what is known of the instrument. The
-//! comment at the head of a transcript tells which replies have been, and against what.
+//! `HERTZSCOPE_WRITE=1` writes the replies anew: compare what has changed with what is known of the instrument. The
+//! comment at the head of a transcript names the replies that were compared, and with what.
 
 use std::fmt::Write as _;
 use std::io::Read as _;
@@ -82,8 +85,8 @@ fn every_group_has_its_transcript() {
         let typed = std::fs::read_to_string(&file).expect("a transcript");
         let reached = reached(&typed);
         for row in group.rows.iter().filter(|row| !matches!(row.support, Support::Alias(_))) {
-            let access = row.setting.access();
-            for (exists, is_query) in [(access.sets, false), (access.asks, true)] {
+            let setting = row.setting;
+            for (exists, is_query) in [(setting.set.is_some(), false), (setting.answers(), true)] {
                 let seen = reached.contains(&(row.header, is_query));
                 assert!(!exists || seen, "{}: {} is missing", file.display(), row.header);
             }

@@ -57,11 +57,24 @@ pub fn solve(matrix: &[Vec<f64>], right: &[f64]) -> Result<Vec<f64>, Undetermine
     Ok(substitute(&factor(matrix, 0.0)?, right))
 }
 
+/// Inverse of `matrix`.
+///
+/// # Errors
+/// [`Undetermined`] for a matrix that is not positive.
+pub fn inverse(matrix: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, Undetermined> {
+    Ok(inverted(&factor(matrix, 0.0)?))
+}
+
+fn inverted(lower: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let unit = |i: usize| (0..lower.len()).map(move |j| if i == j { 1.0 } else { 0.0 });
+    (0..lower.len()).map(|i| substitute(lower, &unit(i).collect::<Vec<f64>>())).collect()
+}
+
 /// Inverse of the matrix of all products of `columns`, each brought to length one in between.
 ///
 /// # Errors
 /// [`Undetermined`] with the first column that those before it explain, or that is nothing.
-pub(super) fn inverse_of_gram(columns: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, Undetermined> {
+pub fn inverse_of_gram(columns: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, Undetermined> {
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let length: Vec<f64> = columns.iter().map(|column| product(column, column).sqrt()).collect();
     if let Some(parameter) = length.iter().position(|length| length.is_nan() || *length <= 0.0) {
@@ -71,12 +84,9 @@ pub(super) fn inverse_of_gram(columns: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, Und
         columns.iter().zip(&length).map(|(b, of_b)| product(a, b) / (of_a * of_b)).collect()
     };
     let gram: Vec<Vec<f64>> = columns.iter().zip(&length).map(row).collect();
-    let lower = factor(&gram, SMALLEST_PIVOT)?;
-    let unit = |i: usize| (0..columns.len()).map(|j| if i == j { 1.0 } else { 0.0 }).collect();
-    let inverse = (0..columns.len()).map(|i| {
-        let right: Vec<f64> = unit(i);
-        let solved = substitute(&lower, &right);
-        solved.iter().zip(&length).map(|(x, of_j)| x / (length[i] * of_j)).collect()
-    });
-    Ok(inverse.collect())
+    let mut inverse = inverted(&factor(&gram, SMALLEST_PIVOT)?);
+    for (row, of_i) in inverse.iter_mut().zip(&length) {
+        row.iter_mut().zip(&length).for_each(|(x, of_j)| *x /= of_i * of_j);
+    }
+    Ok(inverse)
 }
