@@ -37,8 +37,7 @@ pub fn run(
     }
     let grid =
         if watching == Watching::Peaks { NEVER } else { Grid { start: 0.0, interval: SAMPLE } };
-    let mut bench =
-        Bench::new(&case.chain, &case.velocities, method, &case.probes(), (grid, NEVER));
+    let mut bench = Bench::new(&case.chain, &case.velocities, method, &case.probes(), grid, NEVER);
     bench.run_until(case.duration, watching != Watching::Sampled, &mut |_| ())?;
     let first = |peak: hertzscope::experiment::pulse::Peak| peak.dynamic_n;
     Ok(bench.watches().iter().map(|watch| watch.pulse.first_peak().map(first)).collect())

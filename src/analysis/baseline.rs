@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use super::pulse::{Conditions, MIN_BASELINE_SAMPLES, PEAK_SHARE, PulseError};
+use super::pulse_conditions::{Conditions, MIN_BASELINE_SAMPLES, PEAK_SHARE, PulseError};
 use super::rounding::Rounding;
 use crate::trace::Trace;
 

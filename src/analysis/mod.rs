@@ -11,6 +11,7 @@ pub mod gate;
 pub mod least_squares;
 mod local_fit;
 pub mod pulse;
+mod pulse_conditions;
 pub mod rounding;
 pub mod spectrum;
 pub mod speed;

@@ -5,14 +5,14 @@
 //! summary defines it for the force itself. A maximum counts when the signal falls off behind it by six standard deviations
 //! of the smoothed noise and by 0.5 % of the largest value; shallower ones cannot be told from noise.
 
+use super::pulse_conditions::MIN_PROMINENCE;
+pub use super::pulse_conditions::{Conditions, PEAK_SHARE, PulseError};
 use std::ops::Range;
 
 use super::baseline::{Baseline, noise_of, together};
 use super::droop::undo_droop;
-use super::gate::Gate;
 use super::local_fit::LocalFit;
 use crate::trace::Trace;
-
 /// As long as nothing is smoothed, there are more samples to be wrong: then by this many (1).
 const MIN_RAW_PROMINENCE: f64 = 8.0;
 /// And by this share of the largest value (1).
@@ -180,7 +180,6 @@ fn smoothing_reach(rise: usize) -> usize {
 
 /// Savitzky and Golay's quadratic smoothing over `reach` samples on either side, and what is left of white noise (1).
 /// Source: A. Savitzky, M. J. E. Golay, Anal. Chem. 36, 1627 (1964). Beyond the ends the outermost samples stand.
-#[allow(clippy::cast_possible_wrap, reason = "indices stay far below 2^53")]
 fn smooth(values: &[f64], reach: usize) -> (Vec<f64>, f64) {
     if reach < 2 {
         return (values.to_vec(), 1.0);
@@ -194,58 +193,3 @@ fn smooth(values: &[f64], reach: usize) -> (Vec<f64>, f64) {
     let smoothed = (0..=last).map(|i| weights.iter().map(|(j, w)| w * at(i + j)).sum()).collect();
     (smoothed, weight(0).sqrt())
 }
-
-/// A peak counts when it exceeds this share of the trace's largest value (1).
-pub const PEAK_SHARE: f64 = 0.25;
-
-/// Conditions under which a trace was taken.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Conditions {
-    /// Distance of the digitiser's levels; 0 for a trace that was never digitised (unit).
-    pub level: f64,
-    /// Time constant of the sensor's circuit, where known: then its droop is undone (s).
-    pub time_constant: Option<f64>,
-    /// Where nothing has arrived yet; by default two thirds of the time before the pulse.
-    pub baseline: Option<Gate>,
-}
-
-/// Why a trace has no pulse to measure.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum PulseError {
-    /// Nothing before the pulse.
-    #[error(
-        "found {samples} samples of {trace} before the pulse, expected at least {MIN_BASELINE_SAMPLES} to take the baseline from"
-    )]
-    NoBaseline {
-        /// The trace's name.
-        trace: String,
-        /// How many there are.
-        samples: usize,
-    },
-    /// Nothing above the noise.
-    #[error(
-        "found a largest deviation of {largest:e} in {trace}, expected more than {MIN_PROMINENCE} times its noise of {noise:e}"
-    )]
-    NoPulse {
-        /// The trace's name.
-        trace: String,
-        /// Largest deviation from the baseline (unit).
-        largest: f64,
-        /// Standard uncertainty of one sample (unit).
-        noise: f64,
-    },
-    /// A value or interval is not a number.
-    #[error(
-        "found a value or interval of {trace} that is not finite or not above zero, expected numbers"
-    )]
-    NotFinite {
-        /// The trace's name.
-        trace: String,
-    },
-}
-
-/// A maximum must stand out by this many standard deviations: two samples differ by 1.4 of one, and a rise has many (1).
-pub(super) const MIN_PROMINENCE: f64 = 6.0;
-
-/// Fewest samples of a baseline.
-pub(super) const MIN_BASELINE_SAMPLES: usize = 8;

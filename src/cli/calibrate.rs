@@ -109,7 +109,7 @@ fn simulate(arguments: &Arguments) -> anyhow::Result<()> {
     };
     let mut progress = JobProgress::new("blind calibrations", arguments.quiet);
     let checked = arguments.repeat.map(|repeats| {
-        coverage(&designer, best, (repeats, arguments.seed), &mut |share| progress.at(share))
+        coverage(&designer, best, repeats, arguments.seed, &mut |share| progress.at(share))
     });
     progress.done();
     let checked = checked.transpose()?;

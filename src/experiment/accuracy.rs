@@ -168,10 +168,11 @@ pub fn run_to_accuracy(
 
 /// From when on the motion of `scene` at `accuracy` (1) is not known to half of its digits, where contacts may have changed sides: others amplify no errors (s).
 pub(crate) fn known_until(scene: &Scene, accuracy: f64, changes: Option<u64>) -> Option<f64> {
-    let setting = (scene.duration, accuracy);
     let amplifies = changes != Some(0) && !scene.chain.is_linear();
     // A motion that cannot be computed has been refused already.
-    amplifies.then(|| horizon(&scene.chain, &scene.initial_velocities, setting).ok())??
+    amplifies.then(|| {
+        horizon(&scene.chain, &scene.initial_velocities, scene.duration, accuracy).ok()
+    })??
 }
 
 /// The note on an estimate that is missing, or beyond the `accuracy` (1) that was asked for.

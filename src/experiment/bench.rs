@@ -34,7 +34,8 @@ pub fn start(chain: &Chain, method: Method, state: State) -> Box<dyn Integrator>
 impl<'a> Engine<'a> {
     fn start(
         set: InstructionSet,
-        (chain, velocities): (&Chain, &[f64]),
+        chain: &Chain,
+        velocities: &[f64],
         method: Method,
         probes: &[ForceProbe],
     ) -> Self {
@@ -71,27 +72,29 @@ pub struct Bench<'a> {
 }
 
 impl<'a> Bench<'a> {
-    /// Sets the chain in motion; forces at `probes` are sampled on `grid`, the film has a frame every `frame_interval` (s).
+    /// Sets the chain in motion; forces at `probes` are sampled at the times `samples`, frames taken at the times `frames`.
     pub fn new(
         chain: &'a Chain,
         initial_velocities: &[f64],
         method: Method,
         probes: &[ForceProbe],
-        grids: (Grid, Grid),
+        samples: Grid,
+        frames: Grid,
     ) -> Self {
         let set = InstructionSet::best();
-        Self::with_instructions(set, (chain, initial_velocities), method, probes, grids)
+        Self::with_instructions(set, chain, initial_velocities, method, probes, samples, frames)
     }
 
     /// The same with the instructions of `set` on the vector path.
     pub fn with_instructions(
         set: InstructionSet,
-        (chain, initial_velocities): (&'a Chain, &[f64]),
+        chain: &'a Chain,
+        initial_velocities: &[f64],
         method: Method,
         probes: &[ForceProbe],
-        grids: (Grid, Grid),
+        grid: Grid,
+        frames: Grid,
     ) -> Self {
-        let (grid, film_grid) = grids;
         // Before the first contact nothing moves: those samples are known.
         let before = grid.samples_until(0.0);
         let impact = chain.impact_force(initial_velocities);
@@ -102,10 +105,10 @@ impl<'a> Bench<'a> {
         };
         Self {
             chain,
-            engine: Engine::start(set, (chain, initial_velocities), method, probes),
+            engine: Engine::start(set, chain, initial_velocities, method, probes),
             grid,
             watches: probes.iter().map(watch).collect(),
-            film: Frames::new(chain, film_grid, initial_velocities),
+            film: Frames::new(chain, frames, initial_velocities),
             initial_velocities: initial_velocities.to_vec(),
             most_evaluations: u64::MAX,
         }
@@ -141,7 +144,7 @@ impl<'a> Bench<'a> {
                     for (tracker, watch) in trackers.iter_mut().zip(&mut *watches) {
                         tracker.advance(stepper);
                         let set = stepper.instructions();
-                        watch.take_step(set, tracker, stepper.time(), (*grid, pulses));
+                        watch.take_step(set, tracker, stepper.time(), *grid, pulses);
                     }
                     film.take_step(chain, stepper);
                     progress(stepper.time());

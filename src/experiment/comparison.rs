@@ -48,7 +48,7 @@ pub fn run_without(
     (method, refinement): Treated,
     most: u64,
 ) -> Result<Run, IntegrateError> {
-    sampled(scene, (method, refinement), (most, sample_grid(scene, 1)), &mut |_| ())
+    sampled(scene, (method, refinement), most, sample_grid(scene, 1), &mut |_| ())
 }
 
 /// The same with samples at the times of `grid`; `progress` is called with the time that is reached (s).
@@ -58,12 +58,13 @@ pub fn run_without(
 pub fn sampled(
     scene: &Scene,
     (method, refinement): Treated,
-    (most, grid): (u64, Grid),
+    most: u64,
+    grid: Grid,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Run, IntegrateError> {
     let started = Instant::now();
-    let grids = (grid, Grid::NEVER);
-    let mut bench = scene_bench(scene, &scene.initial_velocities, method, grids).within(most);
+    let mut bench =
+        scene_bench(scene, &scene.initial_velocities, method, grid, Grid::NEVER).within(most);
     if let Some(refinement) = refinement {
         bench = bench.without(refinement);
     }
@@ -91,8 +92,7 @@ pub fn worst(found: &Run, exact: &Run) -> Option<f64> {
 /// # Errors
 /// The integrator's.
 pub fn readings(scene: &Scene, method: Method) -> Result<Vec<Reading>, IntegrateError> {
-    let grids = (Grid::NEVER, Grid::NEVER);
-    let mut bench = scene_bench(scene, &scene.initial_velocities, method, grids);
+    let mut bench = scene_bench(scene, &scene.initial_velocities, method, Grid::NEVER, Grid::NEVER);
     bench.run_until(scene.duration, true, &mut |_| ())?;
     Ok(read_places(scene, &bench))
 }

@@ -136,9 +136,15 @@ impl Case {
         set: InstructionSet,
     ) -> Result<Readout, IntegrateError> {
         let method = self.method(integration);
-        let chain = (&self.chain, self.velocities.as_slice());
-        let mut bench =
-            Bench::with_instructions(set, chain, method, &self.probes, (Grid::NEVER, Grid::NEVER));
+        let mut bench = Bench::with_instructions(
+            set,
+            &self.chain,
+            &self.velocities,
+            method,
+            &self.probes,
+            Grid::NEVER,
+            Grid::NEVER,
+        );
         bench.run_until(self.duration, true, &mut |_| ())?;
         let work = bench.work();
         let pulses =

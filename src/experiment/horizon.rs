@@ -27,7 +27,8 @@ const TIGHTEST: f64 = 1e-14;
 pub fn horizon(
     chain: &Chain,
     velocities: &[f64],
-    (duration, accuracy): (f64, f64),
+    duration: f64,
+    accuracy: f64,
 ) -> Result<Option<f64>, IntegrateError> {
     let mut motions = [accuracy, (accuracy * TIGHTER).max(TIGHTEST)].map(|accuracy| {
         let method = method_for(chain, velocities, accuracy);

@@ -51,7 +51,7 @@ pub fn inputs(scene: &Scene, window: InputWindow, shot: u32) -> Result<Inputs, R
     let method = method(scene, integration)?;
     let longest_before = (MAX_SAMPLES / 2) as f64 * window.interval;
     let grid = free_grid(scene, shot, window.interval, window.before.min(longest_before));
-    let mut bench = scene_bench(scene, &scene.velocities(shot), method, (grid, film_grid(scene)));
+    let mut bench = scene_bench(scene, &scene.velocities(shot), method, grid, film_grid(scene));
     let last = grid.time(MAX_SAMPLES - 1);
     let end = (scene.duration + window.after + 2.0 * grid.interval)
         .min(MAX_DURATION_FACTOR * scene.duration)

@@ -38,8 +38,7 @@ pub fn predict(scene: &Scene, accuracy: f64, traces: bool) -> Result<Prediction,
     let mut grid = sample_grid(scene, 1);
     // The clock's phase is no property of the bench.
     grid.start = (grid.start / grid.interval).floor() * grid.interval;
-    let grids = (grid, Grid::NEVER);
-    let mut bench = scene_bench(scene, &scene.initial_velocities, method, grids);
+    let mut bench = scene_bench(scene, &scene.initial_velocities, method, grid, Grid::NEVER);
     bench.run_until(scene.duration, true, &mut |_| ())?;
     let (all, wall) = read_bench(scene, &bench);
     let heights = heights(scene, &all);

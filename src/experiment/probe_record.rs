@@ -25,7 +25,8 @@ impl ProbeRecord {
         set: InstructionSet,
         tracker: &ProbeTracker,
         end: f64,
-        (grid, pulses): (Grid, bool),
+        grid: Grid,
+        pulses: bool,
     ) {
         let taken = self.samples.len();
         let time = grid.time(taken);

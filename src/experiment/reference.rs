@@ -75,7 +75,7 @@ impl ReferenceRun {
         let method = controlled_for(&scene.chain, &scene.initial_velocities, tolerance);
         let grid = sample_grid(scene, shot);
         let mut share = |time: f64| progress(time / scene.duration);
-        let found = sampled(scene, (method, None), (u64::MAX, grid), &mut share)?;
+        let found = sampled(scene, (method, None), u64::MAX, grid, &mut share)?;
         Ok(Self::of(scene, found, tolerance, grid))
     }
 

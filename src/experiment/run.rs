@@ -38,8 +38,9 @@ pub fn run(
     let scene = &*auto_effects::resolve_auto_effects(scene, integration);
     let started = Instant::now();
     let method = method_choice::method(scene, integration)?;
-    let grids = (sample_grid(scene, shot), film_grid(scene));
-    let mut bench = scene_bench(scene, &scene.velocities(shot), method, grids);
+    let velocities = scene.velocities(shot);
+    let (samples, frames) = (sample_grid(scene, shot), film_grid(scene));
+    let mut bench = scene_bench(scene, &velocities, method, samples, frames);
     let (_, span) = scene.scope.record_span();
     let expected_end = scene.duration.max(span);
     let mut report = |time: f64| progress((time / expected_end).min(1.0));
@@ -78,14 +79,15 @@ pub(crate) fn film_grid(scene: &Scene) -> Grid {
 }
 
 /// The bench of `scene`, its bodies let go at `velocities` (m/s): forces are watched at the sensors, in their order, and last at the wall if
-/// there is one, and sampled on the first grid; frames are taken on the second.
+/// there is one, and sampled at the times `samples`; frames are taken at the times `frames`.
 pub(crate) fn scene_bench<'a>(
     scene: &'a Scene,
     velocities: &[f64],
     method: Method,
-    grids: (Grid, Grid),
+    samples: Grid,
+    frames: Grid,
 ) -> Bench<'a> {
-    Bench::new(&scene.chain, velocities, method, &probes(scene), grids)
+    Bench::new(&scene.chain, velocities, method, &probes(scene), samples, frames)
 }
 
 /// Readings at the places of [`scene_bench`].

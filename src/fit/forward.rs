@@ -49,8 +49,7 @@ pub fn forces_at(
         return Ok(None);
     }
     let method = method(scene, Integration::Accuracy(accuracy))?;
-    let grids = (grid, Grid::NEVER);
-    let mut bench = scene_bench(scene, &scene.initial_velocities, method, grids);
+    let mut bench = scene_bench(scene, &scene.initial_velocities, method, grid, Grid::NEVER);
     bench.run_until(end, false, &mut |_| ())?;
     let setup = Setup { noise: 0.0, ..scene.scope.clone() };
     let trace = |(place, vertical): &(usize, VerticalSetup)| {

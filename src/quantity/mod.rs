@@ -10,16 +10,18 @@
 
 pub mod coverage;
 mod dimension;
+mod error;
 mod printable;
 mod unit;
+
+pub use dimension::Dimension;
+pub use error::QuantityError;
+pub use printable::{printable, printable_line};
 
 use std::fmt;
 
 use coverage::NORMAL_95;
 use serde::ser::{Serialize, SerializeStruct, Serializer};
-
-pub use dimension::Dimension;
-pub use printable::{printable, printable_line};
 
 /// A number with its standard uncertainty; JSON has `value`, `u`, and `U95`, the expanded uncertainty that is printed behind `±`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -231,37 +233,6 @@ impl fmt::Display for Dimension {
             None => write!(f, "a quantity in {}", self.base_units()),
         }
     }
-}
-
-/// Why a text is no quantity of the wanted dimension.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum QuantityError {
-    /// The text does not begin with a number.
-    #[error("no number at the start of `{text}`")]
-    NoNumber {
-        /// The text as typed.
-        text: String,
-    },
-    /// The number is infinite or not a number.
-    #[error("`{text}` is not a finite number")]
-    NotFinite {
-        /// The text as typed.
-        text: String,
-    },
-    /// The unit contains a symbol that is not known.
-    #[error("unknown unit `{unit}`")]
-    UnknownUnit {
-        /// The symbol that was not recognised.
-        unit: String,
-    },
-    /// The unit is known, but measures something else.
-    #[error("`{text}` is {found}")]
-    WrongDimension {
-        /// The text as typed.
-        text: String,
-        /// Dimension of the text's unit.
-        found: Dimension,
-    },
 }
 
 #[cfg(test)]

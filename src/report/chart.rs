@@ -77,5 +77,12 @@ pub(super) fn level(x: &Axis, height: f64) -> Polyline {
 
 /// One plot as a picture.
 pub(super) fn picture(title: &str, plot: Plot) -> String {
-    sheet_svg(&Sheet { title: title.to_owned(), columns: 1, size: SIZE, panels: vec![plot] })
+    sheet_svg(&Sheet {
+        title: title.to_owned(),
+        columns: 1,
+        size: SIZE,
+        panels: vec![plot],
+        legend: Vec::new(),
+        note: String::new(),
+    })
 }

@@ -145,6 +145,8 @@ pub fn tunability_svg(title: &str, tunings: &[Tuning]) -> String {
         columns: 2,
         size: (430.0, 210.0),
         panels: panels.collect(),
+        legend: Vec::new(),
+        note: String::new(),
     })
 }
 

@@ -103,7 +103,6 @@ pub fn volts_at_points(setup: &Setup, signal: &[f64], trigger: usize) -> Vec<f64
 
 /// Volts at the record's points: samples of the signal, or a windowed sin(x)/x between them where the record is denser
 /// than the converter's fastest rate.
-#[allow(clippy::cast_possible_wrap, reason = "indices stay far below 2^53")]
 fn points(
     model: &Model,
     time_base: f64,

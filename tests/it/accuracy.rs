@@ -319,7 +319,7 @@ fn work_beyond_what_is_allowed_is_given_up() {
     let never = Grid { start: f64::MAX, interval: 1.0 };
     let run = |most| {
         let (chain, velocities) = (&scene.chain, &scene.initial_velocities);
-        let mut bench = Bench::new(chain, velocities, method, &[], (never, never)).within(most);
+        let mut bench = Bench::new(chain, velocities, method, &[], never, never).within(most);
         bench.run_until(scene.duration, false, &mut |_| ()).map(|()| bench.work())
     };
     let all = run(u64::MAX).expect("a run").force_evaluations;

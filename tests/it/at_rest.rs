@@ -77,7 +77,7 @@ fn chains() -> Vec<(&'static str, ChainSpec)> {
 /// Runs the chain at rest; its displacements and velocities must all be zero in the end.
 fn rests(name: &str, chain: &Chain, method: Method) -> Result<(), IntegrateError> {
     let velocities = vec![0.0; chain.bodies().len()];
-    let mut bench = Bench::new(chain, &velocities, method, &[], (NEVER, NEVER));
+    let mut bench = Bench::new(chain, &velocities, method, &[], NEVER, NEVER);
     bench.run_until(DURATION, false, &mut |_| ())?;
     let state = bench.state();
     let moved = state.position.iter().chain(&state.velocity).any(|value| *value != 0.0);

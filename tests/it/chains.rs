@@ -64,5 +64,5 @@ pub fn kicked<'a>(
 ) -> Bench<'a> {
     let mut velocities = vec![0.0; chain.bodies().len()];
     velocities[kick.0] = kick.1;
-    Bench::new(chain, &velocities, method, probes, (grid, NEVER))
+    Bench::new(chain, &velocities, method, probes, grid, NEVER)
 }

@@ -124,8 +124,7 @@ fn statics_meet_the_goldens() {
 fn states(scene: &Scene, times: &[f64]) -> Vec<State> {
     let never = Grid { start: 1.0, interval: 1.0 };
     let method = Method::DormandPrince853 { tolerance: 1e-17 };
-    let mut bench =
-        Bench::new(&scene.chain, &scene.initial_velocities, method, &[], (never, never));
+    let mut bench = Bench::new(&scene.chain, &scene.initial_velocities, method, &[], never, never);
     let mut at = |time: &f64| {
         bench.run_until(*time, false, &mut |_| ()).expect("a run");
         bench.state()

@@ -33,7 +33,7 @@ fn chains_that_stay_closed_have_no_horizon() {
     let chain = diatomic(10, 2.38, false);
     let mut velocities = vec![0.0; 20];
     velocities[0] = 0.01;
-    assert_eq!(horizon(&chain, &velocities, (2e-3, 1e-6)), Ok(None));
+    assert_eq!(horizon(&chain, &velocities, 2e-3, 1e-6), Ok(None));
 }
 
 /// A loss too weak to calm a rattling chain does not make it predictable; one that calms it does.
@@ -44,7 +44,7 @@ fn chains_with_losses_have_a_horizon_where_they_rattle() {
             "base = \"gravity-0.61g\"\n[effects.dashpot]\ngamma = \"{gamma}\"\nend_of_contact = \"zero_force\"\n"
         );
         let scene = Scene::from_text("lossy", "lossy.toml", &text).expect("a scene");
-        horizon(&scene.chain, &scene.initial_velocities, (14e-3, 1e-6)).expect("a motion")
+        horizon(&scene.chain, &scene.initial_velocities, 14e-3, 1e-6).expect("a motion")
     };
     let found = lossy("1e-6 N s/m").expect("a horizon");
     assert!((0.5e-3..5e-3).contains(&found), "{found:e}");

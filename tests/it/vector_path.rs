@@ -173,7 +173,7 @@ fn a_chain_at_rest_stays_at_rest() {
 /// `chain`, its first bead kicked, after `time` (s).
 fn after(chain: &Chain, method: Method, without: Option<Refinement>, time: f64) -> (State, Work) {
     let velocities = kick(chain, 0.4);
-    let mut bench = Bench::new(chain, &velocities, method, &[], (NEVER, NEVER));
+    let mut bench = Bench::new(chain, &velocities, method, &[], NEVER, NEVER);
     if let Some(refinement) = without {
         bench = bench.without(refinement);
     }

@@ -46,7 +46,7 @@ fn summary(scene: &Scene, accuracy: f64) -> Summary {
 /// State of the bodies at the end of the scene's duration.
 fn final_state(scene: &Scene, method: Method) -> State {
     let velocities = scene.velocities(1);
-    let mut bench = Bench::new(&scene.chain, &velocities, method, &[], (NEVER, NEVER));
+    let mut bench = Bench::new(&scene.chain, &velocities, method, &[], NEVER, NEVER);
     bench.run_until(scene.duration, false, &mut |_| ()).expect("a run");
     let mut state = bench.state();
     state.position.truncate(velocities.len());

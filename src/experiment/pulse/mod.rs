@@ -81,15 +81,6 @@ pub struct PulseRecorder {
 impl PulseRecorder {
     /// Starts with nothing felt in a chain that is let go with these velocities (m/s); `impact` is the force that the impact raises (N).
     pub fn new(probe: &ForceProbe, impact: f64, velocities: &[f64]) -> Self {
-        let room = (Vec::new(), Vec::with_capacity(RISES_CAPACITY));
-        Self::begin(probe, (impact, velocities), room)
-    }
-
-    fn begin(
-        probe: &ForceProbe,
-        (impact, velocities): (f64, &[f64]),
-        (peaks, rises): (Vec<Bracket>, Vec<Rise>),
-    ) -> Self {
         let static_force = probe.static_force();
         Self {
             felt: ForceHistory::nothing(ContactPair::new(probe)),
@@ -98,8 +89,8 @@ impl PulseRecorder {
             static_force,
             quietest: ROUNDING_SHARE * static_force.max(impact),
             rate_before: probe.starting_rate(velocities),
-            peaks,
-            rises,
+            peaks: Vec::new(),
+            rises: Vec::with_capacity(RISES_CAPACITY),
             forgotten: 0.0,
             largest: 0.0,
             highest: 0.0,

@@ -28,7 +28,14 @@ const MILLI: f64 = 1e3;
 const NAME_HEIGHT_SHARE: f64 = 0.07;
 
 fn sheet(figure: &Figure, columns: usize, size: (f64, f64), panels: Vec<Plot>) -> Sheet {
-    Sheet { title: format!("Fig. {}: {}", figure.number, figure.title), columns, size, panels }
+    Sheet {
+        title: format!("Fig. {}: {}", figure.number, figure.title),
+        columns,
+        size,
+        panels,
+        legend: Vec::new(),
+        note: String::new(),
+    }
 }
 
 fn line(name: &str, points: Vec<(f64, f64)>, colour: usize) -> Polyline {
@@ -228,6 +235,8 @@ pub(super) fn viscosity(viscosity: &[Viscous]) -> Sheet {
             &traces,
             0.8e-3,
         )],
+        legend: Vec::new(),
+        note: String::new(),
     }
 }
 
@@ -263,5 +272,7 @@ pub(super) fn speeds(study: &SpeedStudy) -> Sheet {
         columns: 1,
         size: (900.0, 400.0),
         panels: vec![panel],
+        legend: Vec::new(),
+        note: String::new(),
     }
 }

@@ -23,7 +23,10 @@ pub fn sheet_svg(sheet: &Sheet) -> String {
     let columns = sheet.columns.clamp(1, sheet.panels.len().max(1));
     let rows = sheet.panels.len().div_ceil(columns);
     let (across, down) = (left + w + right, above + h + below);
-    let (width, height) = (across * columns as f64, TITLE_HEIGHT + down * rows as f64);
+    let below_panels = TITLE_HEIGHT + down * rows as f64;
+    let legend_rows = sheet.legend.len().div_ceil(columns) + usize::from(!sheet.note.is_empty());
+    let width = across * columns as f64;
+    let height = below_panels + 1.25 * LINE_HEIGHT * legend_rows as f64;
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"12\">\n\
          <rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\n<text x=\"{left}\" y=\"22\" font-size=\"15\">{}</text>\n",
@@ -38,8 +41,26 @@ pub fn sheet_svg(sheet: &Sheet) -> String {
         Drawing { panel, w, h, id: format!("{name}-{index}") }.draw(&mut svg);
         svg.push_str("</g>\n");
     }
+    let place = |index: usize| {
+        let (row, column) = (index / columns, index % columns);
+        (left + across * column as f64, below_panels + 1.25 * LINE_HEIGHT * row as f64)
+    };
+    for (index, line) in sheet.legend.iter().enumerate() {
+        let _ = writeln!(svg, "{}", legend_entry(place(index), &sample(line), &line.name));
+    }
+    let (x, y) = place(sheet.legend.len().next_multiple_of(columns));
+    let _ =
+        writeln!(svg, "<text x=\"{x}\" y=\"{y}\" fill=\"#606060\">{}</text>", escape(&sheet.note));
     svg.push_str("</svg>\n");
     svg
+}
+
+/// A piece of a line with its name.
+fn legend_entry((x, y): (f64, f64), sample: &str, name: &str) -> String {
+    let name = escape(name);
+    format!(
+        "<g transform=\"translate({x:.1} {y:.1})\">{sample}<text x=\"26\" y=\"4\">{name}</text></g>"
+    )
 }
 
 struct Drawing<'a> {
@@ -210,12 +231,7 @@ impl Drawing<'_> {
         );
         for (index, (name, sample)) in entries.into_iter().enumerate() {
             let y = 16.0 + LINE_HEIGHT * index as f64;
-            let _ = writeln!(
-                svg,
-                "<g transform=\"translate({:.1} {y:.1})\">{sample}<text x=\"26\" y=\"4\">{}</text></g>",
-                left + 6.0,
-                escape(name)
-            );
+            let _ = writeln!(svg, "{}", legend_entry((left + 6.0, y), &sample, name));
         }
     }
 }

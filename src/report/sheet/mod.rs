@@ -129,6 +129,10 @@ pub struct Sheet {
     pub size: (f64, f64),
     /// Row by row.
     pub panels: Vec<Plot>,
+    /// Lines that mean the same in all panels: their names are below them.
+    pub legend: Vec<Polyline>,
+    /// Below all.
+    pub note: String,
 }
 
 /// Round numbers from `low` to `high`: steps of 1, 2 or 5 of a power of ten.

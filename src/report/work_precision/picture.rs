@@ -16,17 +16,35 @@ const GUIDE_COLOUR: &str = "#999999";
 /// Colour of what `--accuracy` chooses.
 const CHOICE_COLOUR: &str = "#000000";
 
-/// The study as an SVG picture; methods are named in the first panel.
+/// The study as an SVG picture.
 pub fn work_precision_svg(study: &CostStudy, work: WorkMeasure) -> String {
     let marks = marks(study);
-    let panels = PLOTTED_QUANTITIES.iter().enumerate();
-    let panels = panels.map(|(index, kind)| panel(study, work, kind, &marks, index == 0));
+    let panels = PLOTTED_QUANTITIES.iter().map(|kind| panel(study, work, kind, &marks));
+    let of_method = |(index, (method, _, colour, _)): (usize, &MethodMark)| {
+        let order = study.orders.iter().find(|order| order.method == *method).and_then(observed);
+        let order = order.map_or(String::new(), |order| format!(", order {order} here"));
+        let name = format!("{method}{order}");
+        Polyline { name, points: Vec::new(), colour, stroke: stroke(index) }
+    };
+    let chosen = Polyline {
+        name: "what --accuracy chooses".to_owned(),
+        points: Vec::new(),
+        colour: CHOICE_COLOUR,
+        stroke: Stroke::Dots,
+    };
     sheet_svg(&Sheet {
-        title: format!("{}: what accuracy costs; reference: {}", study.scene, reference(study)),
+        title: format!("{}: what accuracy costs", study.scene),
         columns: 2,
         size: PANEL_SIZE,
         panels: panels.collect(),
+        legend: marks.iter().enumerate().map(of_method).chain([chosen]).collect(),
+        note: format!("runs that failed are at the top; reference: {}", reference(study)),
     })
+}
+
+/// What colours do not tell apart, dashes do.
+fn stroke(method: usize) -> Stroke {
+    if method.is_multiple_of(2) { Stroke::Solid } else { Stroke::Dashed }
 }
 
 /// One kind of error against work, on decimal logarithms.
@@ -35,7 +53,6 @@ fn panel(
     work: WorkMeasure,
     kind: &PlottedQuantity,
     marks: &[MethodMark],
-    is_named: bool,
 ) -> Plot {
     let axes = Axes::of(study, kind, work);
     let (few, many) = axes.work;
@@ -46,19 +63,20 @@ fn panel(
     };
     let y = decades("relative error", axes.error);
     let mut plot = Plot::new(&format!("largest relative error of {}", kind.of), x, y);
-    let mut line = |name: String, points: Vec<(f64, f64)>, colour: &'static str, stroke: Stroke| {
-        plot.lines.push(Polyline { name, points, colour, stroke });
+    let mut line = |points: Vec<(f64, f64)>, colour: &'static str, stroke: Stroke| {
+        plot.lines.push(Polyline { name: String::new(), points, colour, stroke });
     };
     for order in ORDERS {
         let reach = ((high - low) / order).min(many - few);
         let end = (few + reach, high - order * reach);
-        line(String::new(), vec![(few, high), end], GUIDE_COLOUR, Stroke::Dashed);
-        plot.words.push((end.0, end.1, format!("order {order}")));
+        line(vec![(few, high), end], GUIDE_COLOUR, Stroke::Dashed);
+        let (left, above) = (0.09 * (many - few), 0.015 * (high - low));
+        plot.words.push((end.0 - left, end.1 + above, format!("order {order}")));
     }
     if let Some(limit) = (kind.limit)(study) {
         if limit < 1.0 {
             let height = digits(limit);
-            line(String::new(), vec![(few, height), (many, height)], GUIDE_COLOUR, Stroke::Dashed);
+            line(vec![(few, height), (many, height)], GUIDE_COLOUR, Stroke::Dashed);
             plot.words.push((few, height, kind.limit_name.to_owned()));
         } else {
             plot.words.push((
@@ -72,21 +90,15 @@ fn panel(
         let shown = kind.shown(study, work, method);
         let mut points: Vec<(f64, f64)> =
             shown.map(|(n, error)| (n.log10(), digits(error))).collect();
-        let order = study.orders.iter().find(|order| order.method == *method).and_then(observed);
-        let order = order.map_or(String::new(), |order| format!(", order {order} here"));
-        let name = if is_named { format!("{method}{order}") } else { String::new() };
-        // What colours do not tell apart, dashes do.
-        let stroke = if index % 2 == 0 { Stroke::Solid } else { Stroke::Dashed };
-        line(name, points.clone(), colour, stroke);
+        line(points.clone(), colour, stroke(index));
         // Failed runs are at the top.
         let failed = study.points.iter().filter(|p| p.method == *method && p.failed);
         points.extend(failed.filter_map(|point| Some((work.of(point)?.log10(), high))));
-        line(String::new(), points, colour, Stroke::Dots);
+        line(points, colour, Stroke::Dots);
     }
     let choices: Vec<_> = kind.choices(study, work).collect();
     let place = |(_, amount, error): &(f64, f64, f64)| (amount.log10(), digits(*error));
-    let name = if is_named { "what --accuracy chooses" } else { "" };
-    line(name.to_owned(), choices.iter().map(place).collect(), CHOICE_COLOUR, Stroke::Dots);
+    line(choices.iter().map(place).collect(), CHOICE_COLOUR, Stroke::Dots);
     // Several accuracies may lead to one run.
     for same in choices.chunk_by(|a, b| (a.1, a.2) == (b.1, b.2)) {
         let names = same.iter().map(|(accuracy, ..)| format!("1e{}", digits(*accuracy).round()));

@@ -85,13 +85,13 @@ pub fn study(scene: &Scene, runs: u16, progress: &mut dyn FnMut(f64)) -> Result<
                 let failed = Point::failed(scene, *treated, before.force_evaluations);
                 Point { given_up: true, ..failed }
             }
-            None => point(scene, *treated, (&exact, runs)),
+            None => point(scene, *treated, &exact, runs),
         });
     }
     let mut chosen = Vec::new();
     for (done, accuracy) in decades().enumerate() {
         report(settings.len() + done);
-        chosen.push(choice(scene, accuracy, (&exact, runs)).map_err(|error| error.to_string())?);
+        chosen.push(choice(scene, accuracy, &exact, runs).map_err(|error| error.to_string())?);
     }
     let earliest = exact.readings.iter().filter_map(|r| r.half_rise_s).fold(f64::MAX, f64::min);
     Ok(CostStudy {

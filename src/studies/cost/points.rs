@@ -117,7 +117,7 @@ impl Point {
 }
 
 /// A method at one setting, held against `exact`; so many `runs` are timed.
-pub fn point(scene: &Scene, treated: Treated, (exact, runs): (&Run, u16)) -> Point {
+pub fn point(scene: &Scene, treated: Treated, exact: &Run, runs: u16) -> Point {
     let own = treated.0.scheme().is_some() && scene.chain.is_plain();
     let most = if own { MOST_OWN } else { MOST_CONTROLLED };
     let mut point = Point::failed(scene, treated, 0);
@@ -154,7 +154,8 @@ pub fn point(scene: &Scene, treated: Treated, (exact, runs): (&Run, u16)) -> Poi
 pub fn choice(
     scene: &Scene,
     accuracy: f64,
-    (exact, runs): (&Run, u16),
+    exact: &Run,
+    runs: u16,
 ) -> Result<ChosenMethod, RunError> {
     let started = Instant::now();
     let outcome = run_to_accuracy(scene, accuracy, 1, &mut |_| ())?;

@@ -42,7 +42,8 @@ impl EffectVerdict {
     /// where they change a record by a tenth of a digitiser level or of a sample interval.
     pub(super) fn of(
         active: bool,
-        (change, of_records): (Option<&Change>, bool),
+        change: Option<&Change>,
+        of_records: bool,
         value: Option<f64>,
         accuracy: f64,
     ) -> Self {

@@ -80,10 +80,11 @@ pub fn ledger(
     }
     for entry in &mut entries {
         state_decision(scene, accuracy, entry);
-        let change = (entry.change.as_ref(), OF_RECORDS.contains(&entry.effect));
+        let change = entry.change.as_ref();
+        let of_records = OF_RECORDS.contains(&entry.effect);
         entry.verdict = match entry.effect {
             "plasticity" => EffectVerdict::NotBuilt,
-            _ => EffectVerdict::of(entry.active, change, entry.value, accuracy),
+            _ => EffectVerdict::of(entry.active, change, of_records, entry.value, accuracy),
         };
     }
     Ok(Ledger { scene: scene.name.clone(), accuracy, entries })

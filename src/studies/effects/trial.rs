@@ -223,8 +223,13 @@ pub(super) struct BaselineRun<'a> {
 impl<'a> BaselineRun<'a> {
     pub(super) fn new(scene: &'a Scene, accuracy: f64) -> Result<Self, RunError> {
         let method = method(scene, Integration::Accuracy(accuracy))?;
-        let grids = (sample_grid(scene, 1), film_grid(scene));
-        let mut bench = scene_bench(scene, &scene.initial_velocities, method, grids);
+        let mut bench = scene_bench(
+            scene,
+            &scene.initial_velocities,
+            method,
+            sample_grid(scene, 1),
+            film_grid(scene),
+        );
         bench.run_until(scene.duration, true, &mut |_| ())?;
         let peaks = bench.watches().iter().filter_map(|watch| watch.pulse.first_peak());
         let wave = peaks.map(|peak| peak.dynamic_n).fold(f64::INFINITY, f64::min);

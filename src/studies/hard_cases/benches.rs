@@ -113,7 +113,7 @@ impl MovingChain<'_> {
         time: f64,
     ) -> Result<Vec<Option<Peak>>, String> {
         let mut bench =
-            Bench::new(self.chain, &self.velocities, method, probes, (Grid::NEVER, Grid::NEVER));
+            Bench::new(self.chain, &self.velocities, method, probes, Grid::NEVER, Grid::NEVER);
         bench.run_until(time, true, &mut |_| ()).map_err(|error| error.to_string())?;
         Ok(bench.watches().iter().map(|watch| watch.pulse.first_peak()).collect())
     }
@@ -182,7 +182,7 @@ impl MovingChain<'_> {
         let method = method_for(self.chain, &self.velocities, accuracy);
         self.hold_peaks(tally, what, asked, [method, reference])?;
         let mut bench =
-            Bench::new(self.chain, &self.velocities, method, &[], (Grid::NEVER, Grid::NEVER));
+            Bench::new(self.chain, &self.velocities, method, &[], Grid::NEVER, Grid::NEVER);
         let mut most = 0.0_f64;
         let mut end = 0.0;
         for instant in 1..=INSTANTS {

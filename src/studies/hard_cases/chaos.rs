@@ -46,8 +46,7 @@ fn column() -> Result<Chain, String> {
 fn chaos(tally: &mut CaseChecks) -> Result<(), String> {
     let chain = column()?;
     let motion = MovingChain { velocities: set_moving(&chain, 0, SPEED), chain: &chain };
-    let setting = (TIME, ACCURACY);
-    let found = horizon(&chain, &motion.velocities, setting).map_err(|e| e.to_string())?;
+    let found = horizon(&chain, &motion.velocities, TIME, ACCURACY).map_err(|e| e.to_string())?;
     let Some(time) = found else {
         tally.check("no horizon was found where there must be one", f64::INFINITY, 1.0);
         return Ok(());

@@ -80,7 +80,8 @@ impl Sums {
 pub fn coverage(
     designer: &Designer,
     candidate: &TestDesign,
-    (repeats, seed): (u32, u64),
+    repeats: u32,
+    seed: u64,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Coverage, TestError> {
     let (striker, truths, setup) = designer.prepare(candidate)?;

@@ -40,7 +40,7 @@ impl ForceRecord {
         let method = method(scene, Integration::Accuracy(accuracy(scene)))?;
         let grid = Grid { start: 0.0, interval: SAMPLE_INTERVAL };
         let velocities = &scene.initial_velocities;
-        let mut bench = Bench::new(chain, velocities, method, &probes, (grid, Grid::NEVER));
+        let mut bench = Bench::new(chain, velocities, method, &probes, grid, Grid::NEVER);
         bench.run_until(scene.duration, true, &mut |_| ())?;
         let felt = places.iter().zip(bench.watches()).map(|(place, watch)| {
             let trace = grid.trace(&place.words(chain), "N", watch.samples.clone());

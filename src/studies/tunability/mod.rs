@@ -142,7 +142,7 @@ fn point(scene: &Scene, knob: TuningParameter, value: f64) -> Result<TunedPoint,
     let velocities = &turned.initial_velocities;
     let method = method_choice::method_for(chain, velocities, MAP_ACCURACY);
     let grid = Grid { start: 0.0, interval: MAP_SAMPLE_INTERVAL };
-    let mut bench = Bench::new(chain, velocities, method, &probes, (grid, Grid::NEVER));
+    let mut bench = Bench::new(chain, velocities, method, &probes, grid, Grid::NEVER);
     bench.run_until(turned.duration, true, &mut |_| ())?;
     let [first, last] = bench.watches() else {
         return Err(TuneError::Sensors { scene: scene.name.clone(), found: bench.watches().len() });

@@ -23,7 +23,7 @@ fn forces(scene: &Scene, places: &[(usize, f64)], length: f64) -> Vec<Trace> {
     let grid = Grid { start: 0.0, interval: 1e-6 };
     let method = Method::DormandPrince853 { tolerance: 1e-9 };
     let velocities = &scene.initial_velocities;
-    let mut bench = Bench::new(&scene.chain, velocities, method, &probes, (grid, NEVER));
+    let mut bench = Bench::new(&scene.chain, velocities, method, &probes, grid, NEVER);
     bench.run_until(length, false, &mut |_| ()).expect("a run");
     let trace = |samples: &[f64]| Trace {
         name: "force".into(),

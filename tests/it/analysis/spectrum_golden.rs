@@ -41,7 +41,7 @@ static FORCES: LazyLock<BTreeMap<&str, Trace>> = LazyLock::new(|| {
     let grid = Grid { start: 0.0, interval };
     let method = Method::DormandPrince853 { tolerance: 1e-14 };
     let mut bench =
-        Bench::new(&scene.chain, &scene.initial_velocities, method, &probes, (grid, NEVER));
+        Bench::new(&scene.chain, &scene.initial_velocities, method, &probes, grid, NEVER);
     bench.run_until(length, false, &mut |_| ()).expect("a run");
     let trace = |samples: &[f64], name: &str| Trace {
         name: name.to_owned(),

@@ -54,7 +54,7 @@ fn the_linear_chain_lies_on_its_branches() {
     let film = Grid { start: 0.0, interval: 20e-6 };
     let method = Method::DormandElMikkawyPrince86 { tolerance: 1e-9 };
     let velocities = &scene.initial_velocities;
-    let mut bench = Bench::new(&scene.chain, velocities, method, &[], (NEVER, film));
+    let mut bench = Bench::new(&scene.chain, velocities, method, &[], NEVER, film);
     bench.run_until(5e-3, false, &mut |_| ()).expect("a run");
     // The source's own mode stays in the first cells: leave them out. The optical waves are slow, and do not go far.
     let row = |j: &usize| {

@@ -9,8 +9,7 @@ use super::{BENCH, bench_with};
 /// coverage of a true 95 % interval scatters by 0.7 % among a thousand.
 #[test]
 fn stated_intervals_hold_the_truth() {
-    let found =
-        coverage(&BENCH.designer, &BENCH.candidate, (1000, 1), &mut |_| ()).expect("a test");
+    let found = coverage(&BENCH.designer, &BENCH.candidate, 1000, 1, &mut |_| ()).expect("a test");
     println!("{found:?}");
     assert_eq!((found.repeats, found.failed), (1000, 0));
     assert!(found.bias.abs() < 1e-3, "bias {}", found.bias);

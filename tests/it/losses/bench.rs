@@ -41,8 +41,7 @@ fn dashpot_golden() {
     assert!((summary.energy.initial / number(&golden["E0"]) - 1.0).abs() < 1e-14);
     // The state after 26 events, by a tighter run.
     let method = Method::DormandPrince853 { tolerance: 1e-14 };
-    let mut bench =
-        Bench::new(&scene.chain, &scene.initial_velocities, method, &[], (NEVER, NEVER));
+    let mut bench = Bench::new(&scene.chain, &scene.initial_velocities, method, &[], NEVER, NEVER);
     bench.run_until(number(&golden["T"]), false, &mut |_| ()).expect("a run");
     let now = bench.energies().1;
     let end = now.total() / number(&golden["E_end"]["value"]) - 1.0;
@@ -62,7 +61,7 @@ fn elastic_speed(scene: &Scene, elastic: &Scene) -> f64 {
     let method = Method::DormandPrince853 { tolerance: 1e-8 };
     let velocities = &scene.initial_velocities;
     let probes = [probe(14), probe(27)];
-    let mut bench = Bench::new(&scene.chain, velocities, method, &probes, (NEVER, NEVER));
+    let mut bench = Bench::new(&scene.chain, velocities, method, &probes, NEVER, NEVER);
     bench.run_until(scene.duration, true, &mut |_| ()).expect("a run");
     let rises: Vec<f64> = bench
         .watches()
@@ -106,7 +105,7 @@ fn entrance_oscillations_get_faster() {
         let grid = Grid { start: 0.0, interval: INTERVAL };
         let method = Method::DormandPrince853 { tolerance: 1e-8 };
         let velocities = &scene.initial_velocities;
-        let mut bench = Bench::new(&scene.chain, velocities, method, &[probe], (grid, NEVER));
+        let mut bench = Bench::new(&scene.chain, velocities, method, &[probe], grid, NEVER);
         bench.run_until(0.6e-3, false, &mut |_| ()).expect("a run");
         let force = &bench.watches()[0].samples;
         let maxima: Vec<f64> = (1..force.len() - 1)

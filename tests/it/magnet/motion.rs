@@ -167,7 +167,7 @@ fn each_load_is_booked_with_its_own_work() {
     let found = with_ring("magnet-17.81g", "force = \"2.38 N\"\n");
     let chain = &found.chain;
     let method = Method::DormandPrince853 { tolerance: 1e-13 };
-    let mut bench = Bench::new(chain, &found.initial_velocities, method, &[], (NEVER, NEVER));
+    let mut bench = Bench::new(chain, &found.initial_velocities, method, &[], NEVER, NEVER);
     let before = bench.energies().0.total();
     let pull = chain.pull().expect("it follows").1;
     let (mut work, mut last) = (0.0, 0.0);

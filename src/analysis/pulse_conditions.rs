@@ -1,0 +1,58 @@
+//! Conditions on a pulse, and the errors where one fails.
+
+use super::gate::Gate;
+
+/// A peak counts when it exceeds this share of the trace's largest value (1).
+pub const PEAK_SHARE: f64 = 0.25;
+
+/// Conditions under which a trace was taken.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Conditions {
+    /// Distance of the digitiser's levels; 0 for a trace that was never digitised (unit).
+    pub level: f64,
+    /// Time constant of the sensor's circuit, where known: then its droop is undone (s).
+    pub time_constant: Option<f64>,
+    /// Where nothing has arrived yet; by default two thirds of the time before the pulse.
+    pub baseline: Option<Gate>,
+}
+
+/// Why a trace has no pulse to measure.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PulseError {
+    /// Nothing before the pulse.
+    #[error(
+        "found {samples} samples of {trace} before the pulse, expected at least {MIN_BASELINE_SAMPLES} to take the baseline from"
+    )]
+    NoBaseline {
+        /// The trace's name.
+        trace: String,
+        /// How many there are.
+        samples: usize,
+    },
+    /// Nothing above the noise.
+    #[error(
+        "found a largest deviation of {largest:e} in {trace}, expected more than {MIN_PROMINENCE} times its noise of {noise:e}"
+    )]
+    NoPulse {
+        /// The trace's name.
+        trace: String,
+        /// Largest deviation from the baseline (unit).
+        largest: f64,
+        /// Standard uncertainty of one sample (unit).
+        noise: f64,
+    },
+    /// A value or interval is not a number.
+    #[error(
+        "found a value or interval of {trace} that is not finite or not above zero, expected numbers"
+    )]
+    NotFinite {
+        /// The trace's name.
+        trace: String,
+    },
+}
+
+/// A maximum must stand out by this many standard deviations: two samples differ by 1.4 of one, and a rise has many (1).
+pub(super) const MIN_PROMINENCE: f64 = 6.0;
+
+/// Fewest samples of a baseline.
+pub(super) const MIN_BASELINE_SAMPLES: usize = 8;
