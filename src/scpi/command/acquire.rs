@@ -21,37 +21,17 @@ words! {
     }
 }
 
-/// The group.
+/// The group, a row a line.
+#[rustfmt::skip]
 pub const GROUP: Group = Group {
     title: "Acquisition",
     rows: &[
         CommandRow::acts("ACQuire", group(Parts::Below), "all settings of the acquisition"),
-        CommandRow::acts(
-            "ACQuire:STOPAfter",
-            word!(|at| at.instrument.panel.acquire.stop_after),
-            "`RUNSTop` or `SEQuence`",
-        ),
-        CommandRow::acts(
-            "ACQuire:STATE",
-            both(set_state, state),
-            "`ON`, `OFF`, `RUN`, `STOP` or a number",
-        ),
-        CommandRow::acts(
-            "ACQuire:MODe",
-            word!(|at| at.instrument.panel.acquire.mode),
-            "`SAMple`, `PEAKdetect` or `AVErage`",
-        ),
-        CommandRow::acts(
-            "ACQuire:NUMAVg",
-            both(set_averages, averages),
-            "4, 16, 64 or 128 records",
-        ),
-        CommandRow::acts(
-            "ACQuire:NUMACq",
-            query(count),
-            "records taken since the start, 0 in scan mode",
-        )
-        .apart(),
+        CommandRow::acts("ACQuire:STOPAfter", word!(|at| at.instrument.panel.acquire.stop_after), "`RUNSTop` or `SEQuence`"),
+        CommandRow::acts("ACQuire:STATE", both(set_state, state), "`ON`, `OFF`, `RUN`, `STOP` or a number"),
+        CommandRow::acts("ACQuire:MODe", word!(|at| at.instrument.panel.acquire.mode), "`SAMple`, `PEAKdetect` or `AVErage`"),
+        CommandRow::acts("ACQuire:NUMAVg", both(set_averages, averages), "4, 16, 64 or 128 records"),
+        CommandRow::acts("ACQuire:NUMACq", query(count), "records taken since the start, 0 in scan mode").apart(),
     ],
 };
 

@@ -8,7 +8,8 @@ use crate::scpi::row::{CommandRow, Group};
 use crate::scpi::setting::{Context, Parts, Stop, both, group};
 use crate::scpi::value::ReplyValue;
 
-/// The group.
+/// The group, a row a line.
+#[rustfmt::skip]
 pub const GROUP: Group = Group {
     title: "The bench behind the instrument (not Tektronix's)",
     rows: &[

@@ -6,7 +6,8 @@ use crate::scpi::row::{CommandRow, Group};
 use crate::scpi::setting::{Context, Stop, command, query};
 use crate::scpi::value::ReplyValue;
 
-/// The group.
+/// The group, a row a line.
+#[rustfmt::skip]
 pub const GROUP: Group = Group {
     title: "Calibration and diagnostic",
     rows: &[
@@ -18,21 +19,9 @@ pub const GROUP: Group = Group {
         CommandRow::accepted("CALibrate:INTERNAL", command(nothing), "nothing to calibrate"),
         CommandRow::accepted("CALibrate:STATUS", query(|_| Ok(ReplyValue::Word("PASS"))), "`PASS`"),
         CommandRow::accepted("DIAg:RESUlt:FLAg", query(|_| Ok(ReplyValue::Word("PASS"))), "`PASS`"),
-        CommandRow::accepted(
-            "DIAg:RESUlt:LOG",
-            query(|_| Ok(ReplyValue::Text("No errors recorded.".to_owned()))),
-            "the self test's log",
-        ),
-        CommandRow::accepted(
-            "ERRLOG:FIRST",
-            query(|_| Ok(ReplyValue::Text(String::new()))),
-            "the error log is empty",
-        ),
-        CommandRow::accepted(
-            "ERRLOG:NEXT",
-            query(|_| Ok(ReplyValue::Text(String::new()))),
-            "the error log is empty",
-        ),
+        CommandRow::accepted("DIAg:RESUlt:LOG", query(|_| Ok(ReplyValue::Text("No errors recorded.".to_owned()))), "the self test's log"),
+        CommandRow::accepted("ERRLOG:FIRST", query(|_| Ok(ReplyValue::Text(String::new()))), "the error log is empty"),
+        CommandRow::accepted("ERRLOG:NEXT", query(|_| Ok(ReplyValue::Text(String::new()))), "the error log is empty"),
     ],
 };
 

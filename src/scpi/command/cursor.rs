@@ -12,7 +12,8 @@ use crate::scpi::row::{CommandRow, Group};
 use crate::scpi::setting::{Context, Parts, Setting, Stop, both, group, number, query, word};
 use crate::scpi::value::ReplyValue;
 
-/// The group.
+/// The group, a row a line.
+#[rustfmt::skip]
 pub const GROUP: Group = Group {
     title: "Cursor",
     rows: &[
@@ -33,11 +34,7 @@ pub const GROUP: Group = Group {
             }),
             "`OFF`, `HBArs` or `VBArs`; none in XY (event 221)",
         ),
-        CommandRow::acts(
-            "CURSor:SELect:SOUrce",
-            word!(|at| at.instrument.panel.cursor.source),
-            "the waveform",
-        ),
+        CommandRow::acts("CURSor:SELect:SOUrce", word!(|at| at.instrument.panel.cursor.source), "the waveform"),
         CommandRow::alias("CURSor:SELect", "CURSor:SELect:SOUrce"),
         CommandRow::acts(
             "CURSor:VBArs",
@@ -49,11 +46,7 @@ pub const GROUP: Group = Group {
             ])),
             "the vertical bars",
         ),
-        CommandRow::acts(
-            "CURSor:VBArs:UNIts",
-            word!(|at| at.instrument.panel.cursor.vertical_units),
-            "`SECOnds` or `HERtz`",
-        ),
+        CommandRow::acts("CURSor:VBArs:UNIts", word!(|at| at.instrument.panel.cursor.vertical_units), "`SECOnds` or `HERtz`"),
         CommandRow::acts("CURSor:VBArs:DELTa", query(vertical_delta), "their distance").apart(),
         CommandRow::acts("CURSor:VBArs:POSITION<x>", VERTICAL, "seconds after the trigger").apart(),
         CommandRow::acts(
@@ -66,12 +59,7 @@ pub const GROUP: Group = Group {
             ])),
             "the horizontal bars",
         ),
-        CommandRow::acts(
-            "CURSor:HBArs:UNIts",
-            query(|_| Ok(ReplyValue::Word("VOLts"))),
-            "always volts",
-        )
-        .apart(),
+        CommandRow::acts("CURSor:HBArs:UNIts", query(|_| Ok(ReplyValue::Word("VOLts"))), "always volts").apart(),
         CommandRow::acts("CURSor:HBArs:DELTa", query(horizontal_delta), "their distance").apart(),
         CommandRow::acts("CURSor:HBArs:POSITION<x>", HORIZONTAL, "volts").apart(),
     ],

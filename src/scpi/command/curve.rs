@@ -10,15 +10,12 @@ use crate::scpi::setting::{Context, Parts, Stop, both, group};
 use crate::scpi::value;
 use crate::scpi::value::ReplyValue;
 
-/// The group.
+/// The group, a row a line.
+#[rustfmt::skip]
 pub const GROUP: Group = Group {
     title: "Waveform: points",
     rows: &[
-        CommandRow::acts(
-            "CURVe",
-            both(receive, send),
-            "points, as `DATa` says; of a waveform that is not displayed none, and events 2244 and 420",
-        ),
+        CommandRow::acts("CURVe", both(receive, send), "points, as `DATa` says; of a waveform that is not displayed none, and events 2244 and 420"),
         CommandRow::acts("WAVFrm", group(Parts::Of(&["WFMPre", "CURVe"])), "preamble and points"),
     ],
 };

@@ -18,20 +18,13 @@ words! {
     }
 }
 
-/// The group.
+/// The group, a row a line.
+#[rustfmt::skip]
 pub const GROUP: Group = Group {
     title: "Waveform: how it travels",
     rows: &[
-        CommandRow::acts(
-            "DATa",
-            group_and_command(Parts::Below, initialise),
-            "`INIT` sets all of this as at power on",
-        ),
-        CommandRow::acts(
-            "DATa:ENCdg",
-            both(set_encoding, encoding),
-            "`ASCIi` (`ASC` is taken, too), `RIBinary`, `RPBinary`, `SRIbinary` or `SRPbinary`",
-        ),
+        CommandRow::acts("DATa", group_and_command(Parts::Below, initialise), "`INIT` sets all of this as at power on"),
+        CommandRow::acts("DATa:ENCdg", both(set_encoding, encoding), "`ASCIi` (`ASC` is taken, too), `RIBinary`, `RPBinary`, `SRIbinary` or `SRPbinary`"),
         CommandRow::acts(
             "DATa:DESTination",
             both(set_destination, |at| {
@@ -40,11 +33,7 @@ pub const GROUP: Group = Group {
             "the reference memory that `CURVe` writes",
         ),
         CommandRow::alias("DATa:TARget", "DATa:DESTination"),
-        CommandRow::acts(
-            "DATa:SOUrce",
-            word!(|at| at.instrument.transfer.source),
-            "the waveform that `CURVe?` reads",
-        ),
+        CommandRow::acts("DATa:SOUrce", word!(|at| at.instrument.transfer.source), "the waveform that `CURVe?` reads"),
         CommandRow::acts(
             "DATa:STARt",
             both(

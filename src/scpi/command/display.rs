@@ -20,35 +20,16 @@ words! {
 /// Persistences (s).
 const PERSISTENCES: [f64; 4] = [0.0, 1.0, 2.0, 5.0];
 
-/// The group.
+/// The group, a row a line.
+#[rustfmt::skip]
 pub const GROUP: Group = Group {
     title: "Display",
     rows: &[
         CommandRow::accepted("DISplay", group(Parts::Below), "all settings of the screen"),
-        CommandRow::accepted(
-            "DISplay:CONTRast",
-            place!(
-                |at| at.instrument.panel.display.contrast,
-                |a| whole(a, 1, 100),
-                ReplyValue::integer
-            ),
-            "1 to 100",
-        ),
-        CommandRow::acts(
-            "DISplay:FORMat",
-            word!(|at| at.instrument.panel.display.format),
-            "`YT` or `XY`",
-        ),
-        CommandRow::acts(
-            "DISplay:STYle",
-            word!(|at| at.instrument.panel.display.style),
-            "`DOTs` or `VECtors`",
-        ),
-        CommandRow::accepted(
-            "DISplay:PERSistence",
-            both(set_persistence, persistence),
-            "`OFF`, 1, 2, 5 (seconds) or `INFinite`",
-        ),
+        CommandRow::accepted("DISplay:CONTRast", place!(|at| at.instrument.panel.display.contrast, |a| whole(a, 1, 100), ReplyValue::integer), "1 to 100"),
+        CommandRow::acts("DISplay:FORMat", word!(|at| at.instrument.panel.display.format), "`YT` or `XY`"),
+        CommandRow::acts("DISplay:STYle", word!(|at| at.instrument.panel.display.style), "`DOTs` or `VECtors`"),
+        CommandRow::accepted("DISplay:PERSistence", both(set_persistence, persistence), "`OFF`, 1, 2, 5 (seconds) or `INFinite`"),
         CommandRow::accepted(
             "DISplay:INVert",
             place!(|at| at.instrument.panel.display.inverted, flag, ReplyValue::on_or_off),

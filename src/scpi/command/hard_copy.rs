@@ -20,7 +20,8 @@ words! {
     }
 }
 
-/// The group.
+/// The group, a row a line.
+#[rustfmt::skip]
 pub const GROUP: Group = Group {
     title: "Hard copy",
     rows: &[
@@ -39,11 +40,7 @@ pub const GROUP: Group = Group {
             word!(|at| at.instrument.panel.hard_copy.port),
             "`RS232` and `GPIB` are this connection; at `CENtronics` is no printer (event 241)",
         ),
-        CommandRow::accepted(
-            "HARDCopy:LAYout",
-            word!(|at| at.instrument.panel.hard_copy.layout),
-            "`PORTRait` or `LANdscape`; pictures are upright",
-        ),
+        CommandRow::accepted("HARDCopy:LAYout", word!(|at| at.instrument.panel.hard_copy.layout), "`PORTRait` or `LANdscape`; pictures are upright"),
         CommandRow::acts(
             "HARDCopy:INKSaver",
             place!(|at| at.instrument.panel.hard_copy.ink_saver, flag, ReplyValue::on_or_off),

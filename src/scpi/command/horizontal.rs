@@ -7,24 +7,17 @@ use crate::scpi::row::{CommandRow, Group};
 use crate::scpi::setting::{Context, Parts, Setting, Stop, both, group, number, query, word};
 use crate::scpi::value::ReplyValue;
 
-/// The group.
+/// The group, a row a line.
+#[rustfmt::skip]
 pub const GROUP: Group = Group {
     title: "Horizontal",
     rows: &[
         CommandRow::acts("HORizontal", group(Parts::Below), "all settings of the time base"),
-        CommandRow::acts(
-            "HORizontal:VIEw",
-            word!(|at| at.instrument.panel.horizontal.view),
-            "`MAIn`, `WINDOW` (records are those of the window) or `ZONE`",
-        ),
+        CommandRow::acts("HORizontal:VIEw", word!(|at| at.instrument.panel.horizontal.view), "`MAIn`, `WINDOW` (records are those of the window) or `ZONE`"),
         CommandRow::acts("HORizontal:RECOrdlength", query(record_length), "points in a record"),
         CommandRow::acts("HORizontal:MAIn", group(Parts::Below), "the main time base"),
         CommandRow::acts("HORizontal:MAIn:SCAle", SCALE, "s/div, the nearest step of 1-2.5-5"),
-        CommandRow::acts(
-            "HORizontal:MAIn:POSition",
-            POSITION,
-            "the screen's centre after the trigger, in seconds",
-        ),
+        CommandRow::acts("HORizontal:MAIn:POSition", POSITION, "the screen's centre after the trigger, in seconds"),
         CommandRow::alias("HORizontal:MAIn:SECdiv", "HORizontal:MAIn:SCAle"),
         CommandRow::acts("HORizontal:DELay", group(Parts::Below), "the window's time base"),
         CommandRow::acts(

@@ -16,16 +16,13 @@ const VERTICAL_ZOOMS: [f64; 5] = [0.5, 1.0, 2.0, 5.0, 10.0];
 /// Farthest vertical position of a spectrum (div).
 const MAX_POSITION: f64 = 100.0;
 
-/// The group.
+/// The group, a row a line.
+#[rustfmt::skip]
 pub const GROUP: Group = Group {
     title: "Math",
     rows: &[
         CommandRow::acts("MATH", group(Parts::Below), "all settings of the math trace"),
-        CommandRow::acts(
-            "MATH:DEFINE",
-            both(define, definition),
-            "e.g. `\"CH1 - CH2\"` or `\"FFT(CH1,HANNING)\"`",
-        ),
+        CommandRow::acts("MATH:DEFINE", both(define, definition), "e.g. `\"CH1 - CH2\"` or `\"FFT(CH1,HANNING)\"`"),
         CommandRow::acts("MATH:FFT", group(Parts::Below), "how the screen shows a spectrum"),
         CommandRow::acts(
             "MATH:FFT:HORizontal:POSition",

@@ -22,35 +22,16 @@ const MEASUREMENTS: [&str; 5] = [
     "MEASUrement:MEAS5",
 ];
 
-/// The group.
+/// The group, a row a line.
+#[rustfmt::skip]
 pub const GROUP: Group = Group {
     title: "Measurement",
     rows: &[
-        CommandRow::acts(
-            "MEASUrement",
-            group(Parts::Of(&MEASUREMENTS)),
-            "the measurements on the screen",
-        ),
-        CommandRow::acts(
-            "MEASUrement:IMMed",
-            group(Parts::Below),
-            "the measurement of the remote interface",
-        ),
-        CommandRow::acts(
-            "MEASUrement:IMMed:TYPe",
-            both(set_immediate, immediate),
-            "what is measured",
-        ),
-        CommandRow::acts(
-            "MEASUrement:IMMed:UNIts",
-            query(|at| Ok(units(at.instrument.panel.immediate))),
-            "unit of the result",
-        ),
-        CommandRow::acts(
-            "MEASUrement:IMMed:SOUrce1",
-            word!(|at| at.instrument.panel.immediate.source),
-            "the waveform",
-        ),
+        CommandRow::acts("MEASUrement", group(Parts::Of(&MEASUREMENTS)), "the measurements on the screen"),
+        CommandRow::acts("MEASUrement:IMMed", group(Parts::Below), "the measurement of the remote interface"),
+        CommandRow::acts("MEASUrement:IMMed:TYPe", both(set_immediate, immediate), "what is measured"),
+        CommandRow::acts("MEASUrement:IMMed:UNIts", query(|at| Ok(units(at.instrument.panel.immediate))), "unit of the result"),
+        CommandRow::acts("MEASUrement:IMMed:SOUrce1", word!(|at| at.instrument.panel.immediate.source), "the waveform"),
         CommandRow::alias("MEASUrement:IMMed:SOU1", "MEASUrement:IMMed:SOUrce1"),
         CommandRow::acts(
             "MEASUrement:IMMed:VALue",
@@ -61,27 +42,10 @@ pub const GROUP: Group = Group {
             "the result, 9.9E37 if there is none",
         )
         .apart(),
-        CommandRow::acts(
-            "MEASUrement:MEAS<x>",
-            group(Parts::Below),
-            "one of the five on the screen",
-        ),
-        CommandRow::acts(
-            "MEASUrement:MEAS<x>:TYPe",
-            word!(|at| at.instrument.panel.measurement_mut(at.place.number).kind),
-            "what is measured, or `NONe`",
-        ),
-        CommandRow::acts(
-            "MEASUrement:MEAS<x>:UNIts",
-            query(|at| Ok(units(slot(at)))),
-            "unit of the result",
-        )
-        .apart(),
-        CommandRow::acts(
-            "MEASUrement:MEAS<x>:SOUrce",
-            word!(|at| at.instrument.panel.measurement_mut(at.place.number).source),
-            "the waveform",
-        ),
+        CommandRow::acts("MEASUrement:MEAS<x>", group(Parts::Below), "one of the five on the screen"),
+        CommandRow::acts("MEASUrement:MEAS<x>:TYPe", word!(|at| at.instrument.panel.measurement_mut(at.place.number).kind), "what is measured, or `NONe`"),
+        CommandRow::acts("MEASUrement:MEAS<x>:UNIts", query(|at| Ok(units(slot(at)))), "unit of the result").apart(),
+        CommandRow::acts("MEASUrement:MEAS<x>:SOUrce", word!(|at| at.instrument.panel.measurement_mut(at.place.number).source), "the waveform"),
         CommandRow::acts(
             "MEASUrement:MEAS<x>:VALue",
             query(|at| {

@@ -85,34 +85,19 @@ const SETUP: [&str; 54] = [
     "MATH:FFT",
 ];
 
-/// The group.
+/// The group, a row a line.
+#[rustfmt::skip]
 pub const GROUP: Group = Group {
     title: "Miscellaneous",
     rows: &[
-        CommandRow::acts(
-            "*IDN",
-            query(identity),
-            "maker, model, serial number, firmware; the last query of a message",
-        ),
+        CommandRow::acts("*IDN", query(identity), "maker, model, serial number, firmware; the last query of a message"),
         CommandRow::acts("ID", query(identity_in_short), "the same in the family's older form"),
         CommandRow::acts("*LRN", group(Parts::Of(&SETUP)), "the whole set-up, with headers"),
         CommandRow::acts("SET", group(Parts::Of(&SETUP)), "the whole set-up, with headers"),
-        CommandRow::acts(
-            "HEADer",
-            place!(|at| at.preferences.header, flag, ReplyValue::flag),
-            "headers before answers, on this connection",
-        ),
+        CommandRow::acts("HEADer", place!(|at| at.preferences.header, flag, ReplyValue::flag), "headers before answers, on this connection"),
         CommandRow::alias("HDR", "HEADer"),
-        CommandRow::acts(
-            "VERBose",
-            place!(|at| at.preferences.verbose, flag, ReplyValue::flag),
-            "words in full, on this connection",
-        ),
-        CommandRow::acts(
-            "AUTOSet",
-            command(autoset),
-            "`EXECute` scales the channels and triggers at half height",
-        ),
+        CommandRow::acts("VERBose", place!(|at| at.preferences.verbose, flag, ReplyValue::flag), "words in full, on this connection"),
+        CommandRow::acts("AUTOSet", command(autoset), "`EXECute` scales the channels and triggers at half height"),
         CommandRow::accepted(
             "LOCk",
             both(lock, |at| {

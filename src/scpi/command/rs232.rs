@@ -10,7 +10,8 @@ use crate::scpi::value::ReplyValue;
 /// Speeds of the line (baud).
 const SPEEDS: [u32; 7] = [300, 600, 1200, 2400, 4800, 9600, 19200];
 
-/// The group.
+/// The group, a row a line.
+#[rustfmt::skip]
 pub const GROUP: Group = Group {
     title: "RS-232",
     rows: &[
@@ -34,16 +35,8 @@ pub const GROUP: Group = Group {
             }),
             "`ON` or `OFF`; `ON` turns the other one off",
         ),
-        CommandRow::accepted(
-            "RS232:PARity",
-            word!(|at| at.instrument.service.parity),
-            "`EVEN`, `ODD` or `NONe`",
-        ),
-        CommandRow::acts(
-            "RS232:TRANsmit:TERMinator",
-            word!(|at| at.preferences.terminator),
-            "end of this connection's replies: `CR`, `LF`, `CRLf` or `LFCr`",
-        ),
+        CommandRow::accepted("RS232:PARity", word!(|at| at.instrument.service.parity), "`EVEN`, `ODD` or `NONe`"),
+        CommandRow::acts("RS232:TRANsmit:TERMinator", word!(|at| at.preferences.terminator), "end of this connection's replies: `CR`, `LF`, `CRLf` or `LFCr`"),
     ],
 };
 

@@ -16,16 +16,13 @@ words! {
     }
 }
 
-/// The group.
+/// The group, a row a line.
+#[rustfmt::skip]
 pub const GROUP: Group = Group {
     title: "Save and recall",
     rows: &[
         CommandRow::acts("*SAV", command(save_setup), "keeps the front panel in memory 1 to 10"),
-        CommandRow::acts(
-            "*RCL",
-            command(recall_setup),
-            "sets the front panel as in memory 1 to 10",
-        ),
+        CommandRow::acts("*RCL", command(recall_setup), "sets the front panel as in memory 1 to 10"),
         CommandRow::acts("*RST", command(reset), "the factory's set-up"),
         CommandRow::acts(
             "FACtory",
@@ -34,16 +31,8 @@ pub const GROUP: Group = Group {
         ),
         CommandRow::acts("SAVe:SETUp", command(save_setup), "as `*SAV`"),
         CommandRow::acts("RECAll:SETUp", command(recall_setup), "as `*RCL`, or `FACtory`"),
-        CommandRow::acts(
-            "SAVe:WAVEform",
-            command(save_waveform),
-            "`<wfm>,REF<x>` copies a waveform into a reference memory",
-        ),
-        CommandRow::acts(
-            "RECAll:WAVEform",
-            command(recall_waveform),
-            "`REF<x>` displays a reference memory",
-        ),
+        CommandRow::acts("SAVe:WAVEform", command(save_waveform), "`<wfm>,REF<x>` copies a waveform into a reference memory"),
+        CommandRow::acts("RECAll:WAVEform", command(recall_waveform), "`REF<x>` displays a reference memory"),
         CommandRow::refused("SAVe:IMAge", NO_CARD, "no memory card (event 241)"),
         CommandRow::refused("SAVe:IMAge:FILEFormat", NO_CARD, "no memory card (event 241)"),
         CommandRow::refused("FILESystem", NO_CARD, "no memory card (event 241)"),

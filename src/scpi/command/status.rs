@@ -7,60 +7,29 @@ use crate::scpi::row::{CommandRow, Group};
 use crate::scpi::setting::{Context, Stop, both, command, place, query};
 use crate::scpi::value::ReplyValue;
 
-/// The group.
+/// The group, a row a line.
+#[rustfmt::skip]
 pub const GROUP: Group = Group {
     title: "Status and error",
     rows: &[
         CommandRow::acts("*CLS", command(clear), "forgets events"),
-        CommandRow::acts(
-            "*ESE",
-            place!(|at| at.instrument.status.event_enable, byte, ReplyValue::integer),
-            "events that show in the status byte",
-        ),
+        CommandRow::acts("*ESE", place!(|at| at.instrument.status.event_enable, byte, ReplyValue::integer), "events that show in the status byte"),
         CommandRow::acts(
             "*ESR",
             query(|at| Ok(ReplyValue::integer(at.instrument.status.read_register()))),
             "reads and clears the event register, releases events",
         ),
-        CommandRow::acts(
-            "*OPC",
-            both(complete, completed),
-            "event 402 when the acquisition is done; the query waits for that and answers 1",
-        ),
-        CommandRow::acts(
-            "*PSC",
-            place!(|at| at.instrument.status.power_on_clear, flag, ReplyValue::flag),
-            "whether registers are cleared at power on",
-        ),
-        CommandRow::acts(
-            "*SRE",
-            place!(|at| at.instrument.status.service_enable, byte, ReplyValue::integer),
-            "parts of the status byte that ask for service",
-        ),
+        CommandRow::acts("*OPC", both(complete, completed), "event 402 when the acquisition is done; the query waits for that and answers 1"),
+        CommandRow::acts("*PSC", place!(|at| at.instrument.status.power_on_clear, flag, ReplyValue::flag), "whether registers are cleared at power on"),
+        CommandRow::acts("*SRE", place!(|at| at.instrument.status.service_enable, byte, ReplyValue::integer), "parts of the status byte that ask for service"),
         CommandRow::acts("*STB", query(status_byte), "the status byte"),
         CommandRow::acts("*WAI", command(wait), "holds what follows until the acquisition is done"),
         CommandRow::acts("ALLEv", query(all_events), "every released event"),
-        CommandRow::acts(
-            "BUSY",
-            query(|at| Ok(ReplyValue::flag(at.instrument.is_busy()))),
-            "1 while a single sequence runs",
-        ),
-        CommandRow::acts(
-            "DESE",
-            place!(|at| at.instrument.status.device_enable, byte, ReplyValue::integer),
-            "events that are noticed at all",
-        ),
-        CommandRow::acts(
-            "EVENT",
-            query(|at| Ok(ReplyValue::integer(at.instrument.status.next_event().0))),
-            "code of the next released event",
-        ),
+        CommandRow::acts("BUSY", query(|at| Ok(ReplyValue::flag(at.instrument.is_busy()))), "1 while a single sequence runs"),
+        CommandRow::acts("DESE", place!(|at| at.instrument.status.device_enable, byte, ReplyValue::integer), "events that are noticed at all"),
+        CommandRow::acts("EVENT", query(|at| Ok(ReplyValue::integer(at.instrument.status.next_event().0))), "code of the next released event"),
         CommandRow::acts("EVMsg", query(next_event), "the next released event"),
-        CommandRow::acts(
-            "EVQty",
-            query(|at| Ok(ReplyValue::integer(at.instrument.status.released_events()))),
-            "how many events are released",
-        ),
+        CommandRow::acts("EVQty", query(|at| Ok(ReplyValue::integer(at.instrument.status.released_events()))), "how many events are released"),
     ],
 };
 

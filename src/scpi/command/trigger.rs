@@ -31,41 +31,21 @@ words! {
 /// Lines of a field of PAL, the standard with more.
 const LINES: u32 = 625;
 
-/// The group.
+/// The group, a row a line.
+#[rustfmt::skip]
 pub const GROUP: Group = Group {
     title: "Trigger",
     rows: &[
-        CommandRow::acts(
-            "*TRG",
-            command(device_trigger),
-            "executes what `*DDT` says; where that is empty, triggers, if the scope is ready",
-        ),
-        CommandRow::acts(
-            "TRIGger",
-            group_and_command(Parts::Below, force),
-            "`FORCe` triggers, if the scope is ready",
-        ),
-        CommandRow::acts(
-            "TRIGger:STATE",
-            query(|at| Ok(ReplyValue::Word(at.instrument.state().word()))),
-            "what the acquisition is doing",
-        )
-        .apart(),
+        CommandRow::acts("*TRG", command(device_trigger), "executes what `*DDT` says; where that is empty, triggers, if the scope is ready"),
+        CommandRow::acts("TRIGger", group_and_command(Parts::Below, force), "`FORCe` triggers, if the scope is ready"),
+        CommandRow::acts("TRIGger:STATE", query(|at| Ok(ReplyValue::Word(at.instrument.state().word()))), "what the acquisition is doing").apart(),
         CommandRow::acts(
             "TRIGger:MAIn",
             group_and_command(Parts::Below, set_level),
             "`SETLevel` puts the level at half height; event 221 where the scope is stopped, or at the mains",
         ),
-        CommandRow::acts(
-            "TRIGger:MAIn:MODe",
-            word!(|at| at.instrument.panel.trigger.mode),
-            "`AUTO` or `NORMal`",
-        ),
-        CommandRow::acts(
-            "TRIGger:MAIn:TYPe",
-            word!(|at| at.instrument.panel.trigger.kind),
-            "`EDGE`, `VIDeo` or `PULse`; no input carries video",
-        ),
+        CommandRow::acts("TRIGger:MAIn:MODe", word!(|at| at.instrument.panel.trigger.mode), "`AUTO` or `NORMal`"),
+        CommandRow::acts("TRIGger:MAIn:TYPe", word!(|at| at.instrument.panel.trigger.kind), "`EDGE`, `VIDeo` or `PULse`; no input carries video"),
         CommandRow::acts("TRIGger:MAIn:HOLDOff", group(Parts::Below), "holdoff"),
         CommandRow::acts(
             "TRIGger:MAIn:HOLDOff:VALue",
@@ -76,38 +56,13 @@ pub const GROUP: Group = Group {
             "seconds after a trigger without another",
         ),
         CommandRow::acts("TRIGger:MAIn:EDGE", group(Parts::Below), "the edge trigger"),
-        CommandRow::acts(
-            "TRIGger:MAIn:EDGE:SOUrce",
-            SOURCE,
-            "`CH<x>`, `EXT`, `EXT5` (what the bench puts there) or `LINE` (the mains)",
-        ),
-        CommandRow::acts(
-            "TRIGger:MAIn:EDGE:COUPling",
-            word!(|at| at.instrument.panel.trigger.coupling),
-            "`DC`, `AC`, `HFRej`, `LFRej` or `NOISErej`",
-        ),
-        CommandRow::acts(
-            "TRIGger:MAIn:EDGE:SLOpe",
-            word!(|at| at.instrument.panel.trigger.slope),
-            "`RISe` or `FALL`",
-        ),
+        CommandRow::acts("TRIGger:MAIn:EDGE:SOUrce", SOURCE, "`CH<x>`, `EXT`, `EXT5` (what the bench puts there) or `LINE` (the mains)"),
+        CommandRow::acts("TRIGger:MAIn:EDGE:COUPling", word!(|at| at.instrument.panel.trigger.coupling), "`DC`, `AC`, `HFRej`, `LFRej` or `NOISErej`"),
+        CommandRow::acts("TRIGger:MAIn:EDGE:SLOpe", word!(|at| at.instrument.panel.trigger.slope), "`RISe` or `FALL`"),
         CommandRow::accepted("TRIGger:MAIn:VIDeo", group(Parts::Below), "the video trigger"),
-        CommandRow::acts(
-            "TRIGger:MAIn:VIDeo:SOUrce",
-            SOURCE,
-            "the same source as the edge trigger's",
-        )
-        .apart(),
-        CommandRow::accepted(
-            "TRIGger:MAIn:VIDeo:SYNC",
-            word!(|at| at.instrument.panel.trigger.video_sync),
-            "`FIELD`, `LINE`, `ODD`, `EVEN` or `LINENum`",
-        ),
-        CommandRow::accepted(
-            "TRIGger:MAIn:VIDeo:POLarity",
-            word!(|at| at.instrument.panel.trigger.video_polarity),
-            "`NORMal` or `INVert`",
-        ),
+        CommandRow::acts("TRIGger:MAIn:VIDeo:SOUrce", SOURCE, "the same source as the edge trigger's").apart(),
+        CommandRow::accepted("TRIGger:MAIn:VIDeo:SYNC", word!(|at| at.instrument.panel.trigger.video_sync), "`FIELD`, `LINE`, `ODD`, `EVEN` or `LINENum`"),
+        CommandRow::accepted("TRIGger:MAIn:VIDeo:POLarity", word!(|at| at.instrument.panel.trigger.video_polarity), "`NORMal` or `INVert`"),
         CommandRow::accepted(
             "TRIGger:MAIn:VIDeo:LINE",
             place!(
@@ -117,29 +72,12 @@ pub const GROUP: Group = Group {
             ),
             "number of the line",
         ),
-        CommandRow::accepted(
-            "TRIGger:MAIn:VIDeo:STANdard",
-            word!(|at| at.instrument.panel.trigger.video_standard),
-            "`NTSC` or `PAL`",
-        ),
+        CommandRow::accepted("TRIGger:MAIn:VIDeo:STANdard", word!(|at| at.instrument.panel.trigger.video_standard), "`NTSC` or `PAL`"),
         CommandRow::acts("TRIGger:MAIn:PULse", group(Parts::Below), "the pulse trigger"),
-        CommandRow::acts(
-            "TRIGger:MAIn:PULse:SOUrce",
-            SOURCE,
-            "the same source as the edge trigger's",
-        )
-        .apart(),
+        CommandRow::acts("TRIGger:MAIn:PULse:SOUrce", SOURCE, "the same source as the edge trigger's").apart(),
         CommandRow::acts("TRIGger:MAIn:PULse:WIDth", group(Parts::Below), "which pulses trigger"),
-        CommandRow::acts(
-            "TRIGger:MAIn:PULse:WIDth:POLarity",
-            word!(|at| at.instrument.panel.trigger.pulse_polarity),
-            "`POSITIVe` or `NEGAtive`",
-        ),
-        CommandRow::acts(
-            "TRIGger:MAIn:PULse:WIDth:WHEN",
-            word!(|at| at.instrument.panel.trigger.pulse_when),
-            "`EQual`, `NOTEqual`, `INside` or `OUTside`",
-        ),
+        CommandRow::acts("TRIGger:MAIn:PULse:WIDth:POLarity", word!(|at| at.instrument.panel.trigger.pulse_polarity), "`POSITIVe` or `NEGAtive`"),
+        CommandRow::acts("TRIGger:MAIn:PULse:WIDth:WHEN", word!(|at| at.instrument.panel.trigger.pulse_when), "`EQual`, `NOTEqual`, `INside` or `OUTside`"),
         CommandRow::acts(
             "TRIGger:MAIn:PULse:WIDth:WIDth",
             number!(|at| at.instrument.panel.trigger.pulse_width, |i, _, width| limits::within(
@@ -153,12 +91,7 @@ pub const GROUP: Group = Group {
             both(set_trigger_level, |at| Ok(ReplyValue::Number(at.instrument.panel.trigger.level))),
             "volts; the mains have no level (event 221)",
         ),
-        CommandRow::acts(
-            "TRIGger:MAIn:FREQuency",
-            query(frequency),
-            "frequency of the source, six digits",
-        )
-        .apart(),
+        CommandRow::acts("TRIGger:MAIn:FREQuency", query(frequency), "frequency of the source, six digits").apart(),
     ],
 };
 

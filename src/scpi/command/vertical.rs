@@ -9,21 +9,14 @@ use crate::scpi::row::{CommandRow, Group};
 use crate::scpi::setting::{Context, Parts, Setting, Stop, both, group, number, place, word};
 use crate::scpi::value::ReplyValue;
 
-/// The group.
+/// The group, a row a line.
+#[rustfmt::skip]
 pub const GROUP: Group = Group {
     title: "Vertical",
     rows: &[
         CommandRow::acts("CH<x>", group(Parts::Below), "all settings of a channel"),
-        CommandRow::acts(
-            "CH<x>:PRObe",
-            both(set_probe, probe),
-            "attenuation 1, 10, 100 or 1000; V/div at the input stays",
-        ),
-        CommandRow::acts(
-            "CH<x>:SCAle",
-            both(set_scale, scale),
-            "V/div, the nearest step of 1-2-5, or to three digits if `BENCh:CH<x>:FINe` is on",
-        ),
+        CommandRow::acts("CH<x>:PRObe", both(set_probe, probe), "attenuation 1, 10, 100 or 1000; V/div at the input stays"),
+        CommandRow::acts("CH<x>:SCAle", both(set_scale, scale), "V/div, the nearest step of 1-2-5, or to three digits if `BENCh:CH<x>:FINe` is on"),
         CommandRow::alias("CH<x>:VOLts", "CH<x>:SCAle"),
         CommandRow::acts(
             "CH<x>:POSition",
@@ -79,11 +72,7 @@ pub const GROUP: Group = Group {
         ),
         CommandRow::acts("SELect", group(Parts::Of(&SELECT)), "which waveforms are displayed"),
         CommandRow::acts("SELect:CH<x>", SHOWN, "`ON` displays the channel"),
-        CommandRow::acts(
-            "SELect:MATH",
-            place!(|at| *at.instrument.panel.displayed_mut(Source::Math), flag, ReplyValue::flag),
-            "`ON` displays the math trace",
-        ),
+        CommandRow::acts("SELect:MATH", place!(|at| *at.instrument.panel.displayed_mut(Source::Math), flag, ReplyValue::flag), "`ON` displays the math trace"),
         CommandRow::acts(
             "SELect:REF<x>",
             both(show_reference, |at| {

@@ -70,7 +70,8 @@ const FIELDS: [&str; 16] = [
     "WFMPre:YUNit",
 ];
 
-/// The group.
+/// The group, a row a line.
+#[rustfmt::skip]
 pub const GROUP: Group = Group {
     title: "Waveform: preamble",
     rows: &[
@@ -83,26 +84,10 @@ pub const GROUP: Group = Group {
             }),
             "bits a point",
         ),
-        CommandRow::acts(
-            "WFMPre:ENCdg",
-            word!(|at| at.instrument.transfer.format),
-            "`ASC` or `BIN`",
-        ),
-        CommandRow::acts(
-            "WFMPre:BN_Fmt",
-            word!(|at| at.instrument.transfer.numbers),
-            "`RI` signed, `RP` positive",
-        ),
-        CommandRow::acts(
-            "WFMPre:BYT_Or",
-            word!(|at| at.instrument.transfer.byte_order),
-            "`MSB` or `LSB` first",
-        ),
-        CommandRow::acts(
-            "WFMPre:NR_Pt",
-            outgoing!(nr_pt, |at, a| at.instrument.incoming.nr_pt = super::data::point(at, a)?),
-            "points",
-        ),
+        CommandRow::acts("WFMPre:ENCdg", word!(|at| at.instrument.transfer.format), "`ASC` or `BIN`"),
+        CommandRow::acts("WFMPre:BN_Fmt", word!(|at| at.instrument.transfer.numbers), "`RI` signed, `RP` positive"),
+        CommandRow::acts("WFMPre:BYT_Or", word!(|at| at.instrument.transfer.byte_order), "`MSB` or `LSB` first"),
+        CommandRow::acts("WFMPre:NR_Pt", outgoing!(nr_pt, |at, a| at.instrument.incoming.nr_pt = super::data::point(at, a)?), "points"),
         CommandRow::acts(
             "WFMPre:WFId",
             query(|at| {
@@ -116,53 +101,21 @@ pub const GROUP: Group = Group {
             outgoing!(pt_fmt, |at, a| at.instrument.incoming.pt_fmt = word::<Points>(a)?),
             "`Y` samples, `ENV` lowest and highest in turn",
         ),
-        CommandRow::acts(
-            "WFMPre:XINcr",
-            outgoing!(x_incr, |at, a| at.instrument.incoming.x_incr = real(a)?),
-            "from one point to the next",
-        ),
+        CommandRow::acts("WFMPre:XINcr", outgoing!(x_incr, |at, a| at.instrument.incoming.x_incr = real(a)?), "from one point to the next"),
         CommandRow::acts("WFMPre:PT_Off", outgoing!(pt_off, |_, a| real(a)?), "always 0"),
-        CommandRow::acts(
-            "WFMPre:XZEro",
-            outgoing!(x_zero, |at, a| at.instrument.incoming.x_zero = real(a)?),
-            "abscissa of the first point",
-        ),
-        CommandRow::accepted(
-            "WFMPre:XUNit",
-            outgoing!(x_unit, |_, a| text(a)?),
-            "unit of the abscissa",
-        ),
+        CommandRow::acts("WFMPre:XZEro", outgoing!(x_zero, |at, a| at.instrument.incoming.x_zero = real(a)?), "abscissa of the first point"),
+        CommandRow::accepted("WFMPre:XUNit", outgoing!(x_unit, |_, a| text(a)?), "unit of the abscissa"),
         CommandRow::accepted(
             "WFMPre:XMUlt",
             place!(|at| at.instrument.incoming.x_mult, real, ReplyValue::Number),
             "one step of the abscissa in XY, which no waveform of this instrument has",
         )
         .apart(),
-        CommandRow::acts(
-            "WFMPre:YMUlt",
-            outgoing!(y_mult, |at, a| at.instrument.incoming.y_mult = real(a)?),
-            "one step of the ordinate",
-        ),
-        CommandRow::acts(
-            "WFMPre:YZEro",
-            outgoing!(y_zero, |at, a| at.instrument.incoming.y_zero = real(a)?),
-            "added after scaling",
-        ),
-        CommandRow::acts(
-            "WFMPre:YOFf",
-            outgoing!(y_off, |at, a| at.instrument.incoming.y_off = real(a)?),
-            "step at which the ordinate is `YZEro`",
-        ),
-        CommandRow::accepted(
-            "WFMPre:YUNit",
-            outgoing!(y_unit, |_, a| text(a)?),
-            "unit of the ordinate",
-        ),
-        CommandRow::acts(
-            "WFMPre:<wfm>",
-            group(Parts::Below),
-            "the preamble of a waveform that `DATa:SOUrce` need not name",
-        ),
+        CommandRow::acts("WFMPre:YMUlt", outgoing!(y_mult, |at, a| at.instrument.incoming.y_mult = real(a)?), "one step of the ordinate"),
+        CommandRow::acts("WFMPre:YZEro", outgoing!(y_zero, |at, a| at.instrument.incoming.y_zero = real(a)?), "added after scaling"),
+        CommandRow::acts("WFMPre:YOFf", outgoing!(y_off, |at, a| at.instrument.incoming.y_off = real(a)?), "step at which the ordinate is `YZEro`"),
+        CommandRow::accepted("WFMPre:YUNit", outgoing!(y_unit, |_, a| text(a)?), "unit of the ordinate"),
+        CommandRow::acts("WFMPre:<wfm>", group(Parts::Below), "the preamble of a waveform that `DATa:SOUrce` need not name"),
         CommandRow::acts(
             "WFMPre:<wfm>:WFId",
             query(|at| {
@@ -171,56 +124,16 @@ pub const GROUP: Group = Group {
             }),
             ABOVE,
         ),
-        CommandRow::acts(
-            "WFMPre:<wfm>:NR_Pt",
-            of_reference!(nr_pt, |w, _, a| whole(
-                a,
-                1,
-                u32::try_from(w.codes.len()).unwrap_or(u32::MAX).max(1)
-            )?),
-            ABOVE,
-        ),
-        CommandRow::acts(
-            "WFMPre:<wfm>:PT_Fmt",
-            of_reference!(pt_fmt, |w, _, a| w.preamble.pt_fmt = word::<Points>(a)?.into()),
-            ABOVE,
-        ),
-        CommandRow::acts(
-            "WFMPre:<wfm>:XINcr",
-            of_reference!(x_incr, |w, _, a| w.preamble.x_incr = real(a)?),
-            ABOVE,
-        ),
+        CommandRow::acts("WFMPre:<wfm>:NR_Pt", of_reference!(nr_pt, |w, _, a| whole(a, 1, u32::try_from(w.codes.len()).unwrap_or(u32::MAX).max(1))?), ABOVE),
+        CommandRow::acts("WFMPre:<wfm>:PT_Fmt", of_reference!(pt_fmt, |w, _, a| w.preamble.pt_fmt = word::<Points>(a)?.into()), ABOVE),
+        CommandRow::acts("WFMPre:<wfm>:XINcr", of_reference!(x_incr, |w, _, a| w.preamble.x_incr = real(a)?), ABOVE),
         CommandRow::acts("WFMPre:<wfm>:PT_Off", of_reference!(pt_off, |_, _, a| real(a)?), ABOVE),
-        CommandRow::acts(
-            "WFMPre:<wfm>:XZEro",
-            of_reference!(x_zero, |w, _, a| w.preamble.x_zero = real(a)?),
-            ABOVE,
-        ),
-        CommandRow::acts(
-            "WFMPre:<wfm>:XUNit",
-            of_reference!(x_unit, |w, _, a| text(a)?.clone_into(&mut w.preamble.x_unit)),
-            ABOVE,
-        ),
-        CommandRow::acts(
-            "WFMPre:<wfm>:YMUlt",
-            of_reference!(y_mult, |w, by, a| w.preamble.y_mult = real(a)? * by.steps()),
-            ABOVE,
-        ),
-        CommandRow::acts(
-            "WFMPre:<wfm>:YZEro",
-            of_reference!(y_zero, |w, _, a| w.preamble.y_zero = real(a)?),
-            ABOVE,
-        ),
-        CommandRow::acts(
-            "WFMPre:<wfm>:YOFf",
-            of_reference!(y_off, |w, by, a| w.preamble.y_off = real(a)? / by.steps() - by.shift()),
-            ABOVE,
-        ),
-        CommandRow::acts(
-            "WFMPre:<wfm>:YUNit",
-            of_reference!(y_unit, |w, _, a| si_unit(text(a)?).clone_into(&mut w.preamble.y_unit)),
-            ABOVE,
-        ),
+        CommandRow::acts("WFMPre:<wfm>:XZEro", of_reference!(x_zero, |w, _, a| w.preamble.x_zero = real(a)?), ABOVE),
+        CommandRow::acts("WFMPre:<wfm>:XUNit", of_reference!(x_unit, |w, _, a| text(a)?.clone_into(&mut w.preamble.x_unit)), ABOVE),
+        CommandRow::acts("WFMPre:<wfm>:YMUlt", of_reference!(y_mult, |w, by, a| w.preamble.y_mult = real(a)? * by.steps()), ABOVE),
+        CommandRow::acts("WFMPre:<wfm>:YZEro", of_reference!(y_zero, |w, _, a| w.preamble.y_zero = real(a)?), ABOVE),
+        CommandRow::acts("WFMPre:<wfm>:YOFf", of_reference!(y_off, |w, by, a| w.preamble.y_off = real(a)? / by.steps() - by.shift()), ABOVE),
+        CommandRow::acts("WFMPre:<wfm>:YUNit", of_reference!(y_unit, |w, _, a| si_unit(text(a)?).clone_into(&mut w.preamble.y_unit)), ABOVE),
     ],
 };
 
