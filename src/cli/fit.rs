@@ -181,7 +181,7 @@ fn run_fit(
         fit((&scene, &knobs), side, &arguments.map, options, &mut |share| progress.at(share));
     progress.done();
     if let Err(error) = &found
-        && error.is_undetermined()
+        && error.has_no_result()
     {
         eprintln!("nothing is found: {error}");
         return Err(AnswerIsNo.into());

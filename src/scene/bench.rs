@@ -4,6 +4,7 @@ use std::rc::Rc;
 
 use super::document::{Entries, Node};
 use super::oscilloscope;
+use super::problem::MISSING;
 use super::reader::{Bound, Problems, TableReader};
 use super::sensors::sensor_names;
 use crate::quantity::{Dimension, engineering};
@@ -61,7 +62,7 @@ pub fn drawn(
 ) -> Option<Setup> {
     if !root.has("scope") {
         let expected = "[scope] with model, time_base, trigger and channels";
-        root.problem("scope", "no such table", expected);
+        root.problem("scope", MISSING, expected);
     }
     let table = root.table("scope")?;
     let sensors = sensor_names(root);

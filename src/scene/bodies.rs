@@ -294,11 +294,7 @@ pub fn initial_velocities(
     }
     let still = velocities.iter().all(|v| *v == 0.0) && !root.has("striker");
     if still && (all_read || !root.has("initial_velocities")) {
-        root.problem(
-            "initial_velocities",
-            "nothing that moves",
-            "[striker] or [[initial_velocities]]",
-        );
+        root.problem("", "nothing moves: add a [striker] or [[initial_velocities]]", "");
     }
     velocities
 }
@@ -318,18 +314,15 @@ pub fn assemble(
         Ok(built) => Some(built),
         Err(error) => {
             let text = error.to_string();
-            let (found, expected) =
-                text.split_once(", expected ").unwrap_or((&text, "another chain"));
-            let found = found.strip_prefix("found ").unwrap_or(found);
             let key = match error {
                 ChainError::StrikerBehindWall => "top",
                 ChainError::Unbalanced { .. } => "bottom",
                 _ => "segments",
             };
-            let magnet = effects.filter(|_| error.is_of_magnet());
+            let magnet = effects.filter(|_| error.concerns_magnet());
             match magnet.and_then(|effects| effects.table("magnet_preload")) {
-                Some(magnet) => magnet.problem("distance", found, expected),
-                None => chain.problem(key, found, expected),
+                Some(magnet) => magnet.problem("distance", text, ""),
+                None => chain.problem(key, text, ""),
             }
             None
         }

@@ -47,6 +47,7 @@ use crate::sensor::SensorTolerance;
 use bench::CachedPanel;
 use bodies::Materials;
 use document::Value;
+use problem::MISSING;
 use reader::{Bound, Problems, TableReader};
 
 /// Accuracy of a scene that names none and whose scope sees no pulse: relative error of first-peak forces and times (1).
@@ -239,7 +240,7 @@ fn moving<'a>(root: &TableReader<'a>, problems: &Problems) -> Moving<'a> {
     let materials = Materials::read(root, problems);
     let striker = bodies::striker(root, &materials);
     if !root.has("chain") {
-        root.problem("chain", "no such table", "[chain] with top, bottom and segments");
+        root.problem("chain", MISSING, "[chain] with top, bottom and segments");
     }
     let table = root.table("chain");
     let mut particles = bodies::particles(root, table.as_ref(), &materials);
