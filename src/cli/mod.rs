@@ -25,6 +25,7 @@ mod list;
 mod magnet;
 mod man;
 mod output;
+mod overwrite;
 mod paper;
 mod picture;
 mod plain_table;

@@ -18,7 +18,7 @@ pub struct TableContent {
     /// True forces at the sensors, of a simulation, interpolated to the samples' times.
     pub truth: bool,
     /// Forces in newtons in the place of volts, by the sensors' calibrations.
-    pub force: bool,
+    pub newtons: bool,
 }
 
 /// One column.
@@ -81,7 +81,7 @@ fn printed(value: f64) -> f64 {
 
 fn columns(set: &TraceSet, shot: &Shot, content: TableContent) -> anyhow::Result<Vec<TableColumn>> {
     let mut columns = Vec::new();
-    if content.force {
+    if content.newtons {
         for found in forces(set, shot) {
             let found = found?;
             columns.push(TableColumn { name: format!("{}_N", found.channel), trace: found.force });

@@ -9,6 +9,7 @@ use serde_json::json;
 use super::accuracy::AccuracyArguments;
 use super::budget::DrawArguments;
 use super::by_hand::{ByHand, step, tolerance};
+use super::overwrite::OverwriteArguments;
 use super::picture;
 use super::progress::JobProgress;
 use crate::experiment::accuracy::run_to_accuracy;
@@ -50,6 +51,8 @@ pub struct Arguments {
     #[arg(long, value_name = picture::PICTURE_ENDINGS, value_parser = picture::file, requires = "bands")]
     plot: Option<PathBuf>,
     #[command(flatten)]
+    overwrite: OverwriteArguments,
+    #[command(flatten)]
     draws: DrawArguments,
     /// Print the summary as JSON
     #[arg(long)]
@@ -75,6 +78,9 @@ fn integration(
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut scene = Scene::load(&arguments.scene)?;
     scene.seed = arguments.seed.unwrap_or(scene.seed);
+    for file in pictures(arguments, &scene) {
+        arguments.overwrite.check(&file)?;
+    }
     let (integration, reason) = integration(arguments, &scene)?;
     // Before the recording tells what it is of.
     let scene = resolve_auto_effects(&scene, integration);
@@ -132,6 +138,13 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         super::print(&format!("  recording   {recording}"))?;
     }
     Ok(())
+}
+
+/// The pictures of `--plot`, one for each channel.
+fn pictures(arguments: &Arguments, scene: &Scene) -> Vec<PathBuf> {
+    let channels = 1..=scene.scope.model.channels;
+    let named = |file: &PathBuf| channels.map(|n| named_for(file, &format!("CH{n}"))).collect();
+    arguments.plot.as_ref().map(named).unwrap_or_default()
 }
 
 /// `FILE-CH1.svg` for `FILE.svg`.

@@ -46,7 +46,7 @@ pub use hard_cases::hard_cases;
 pub use paper::{PaperPicture, paper, paper_parts, paper_pictures};
 #[cfg(feature = "png")]
 pub use png::{PngError, png};
-pub use screen::screen;
+pub use screen::{ScreenTheme, screen};
 pub use statistics::{statistics, statistics_csv};
 pub use summary::summary;
 pub use sweep::{gathering, sweep};
