@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context as _, bail};
+use anyhow::Context as _;
 use clap::Args;
 use serde_json::json;
 
-use super::input::ReadingArguments;
+use super::input::{ReadingArguments, no_capture};
 use super::picture;
 use crate::files;
 use crate::measurement::arrivals::survey;
@@ -53,7 +53,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         None => for_each_shot(&arguments.file, &reading.table.columns(), take)?,
     }
     if surveys.is_empty() {
-        bail!("found no capture, expected at least one: the scope was not triggered");
+        return Err(no_capture(&set));
     }
     let statistics = statistics(&surveys);
     if let Some(file) = &arguments.output {

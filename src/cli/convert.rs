@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, anyhow, bail};
 use clap::{Args, ValueEnum};
 
-use super::input::ReadingArguments;
+use super::input::{ReadingArguments, no_capture};
 use super::overwrite::OverwriteArguments;
 use super::picture;
 use super::plain_table::{TableContent, plain_table};
@@ -23,7 +23,7 @@ use crate::sweep::table;
 
 use super::saved::saved;
 
-/// Convert between recordings (.mcap), tables (.csv) and a TDS2000's files (folders ALL0000 with curves, set-up and screen, .isf), or draw
+/// Convert recordings and a scope's files into each other, into tables, or into pictures of the screen
 #[derive(Debug, Args)]
 #[allow(clippy::struct_excessive_bools, reason = "switches of a command line")]
 pub struct Arguments {
@@ -244,7 +244,7 @@ fn name_instrument(set: &mut TraceSet, model: &Model) {
 /// The first shot that has captures.
 fn first_shot(set: &TraceSet) -> anyhow::Result<&Shot> {
     let Some(shot) = set.shots.iter().find(|shot| !shot.captures.is_empty()) else {
-        bail!("found no capture, expected at least one: the scope was not triggered");
+        return Err(no_capture(set));
     };
     Ok(shot)
 }
@@ -294,7 +294,7 @@ fn native(capture: &Capture) -> anyhow::Result<String> {
 fn csv_file(set: &TraceSet, file: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let mut captures = set.shots.iter().flat_map(|shot| &shot.captures);
     match (captures.next(), captures.next()) {
-        (None, _) => bail!("found no capture, expected at least one: the scope was not triggered"),
+        (None, _) => Err(no_capture(set)),
         (Some(capture), None) => {
             files::write(file, native(capture)?).with_context(|| file.display().to_string())?;
             Ok(vec![file.to_owned()])
@@ -319,7 +319,7 @@ fn folders(set: &TraceSet, parent: &Path) -> anyhow::Result<Vec<PathBuf>> {
         written.extend(made.with_context(|| parent.display().to_string())?);
     }
     if written.is_empty() {
-        bail!("found no capture, expected at least one: the scope was not triggered");
+        return Err(no_capture(set));
     }
     Ok(written)
 }

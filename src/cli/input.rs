@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use anyhow::bail;
+use anyhow::{anyhow, bail};
 use clap::Args;
 
 use super::sensor::{SensorAssignment, wire_all, wired};
@@ -117,6 +117,14 @@ pub fn shot<'a>(set: &'a TraceSet, name: &str, number: u32) -> anyhow::Result<&'
         bail!("{name}: found {} shots, expected one with number {number}", set.shots.len());
     };
     Ok(shot)
+}
+
+/// Why a file has no capture to look at.
+pub fn no_capture(set: &TraceSet) -> anyhow::Error {
+    match set.problems.as_slice() {
+        [] => anyhow!("no capture in this file: the scope was not triggered"),
+        problems => anyhow!("no capture can be read from this file: {}", problems.join("; ")),
+    }
 }
 
 /// What is read of a file: its columns, its bench, its shots and channels.

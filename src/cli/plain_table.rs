@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use anyhow::bail;
 
+use super::input::no_capture;
 use crate::measurement::force::forces;
 use crate::quantity::engineering;
 use crate::recording::{Shot, TraceSet};
@@ -31,7 +32,7 @@ struct TableColumn {
 pub fn plain_table(set: &TraceSet, content: TableContent) -> anyhow::Result<String> {
     let shots: Vec<&Shot> = set.shots.iter().filter(|shot| !shot.captures.is_empty()).collect();
     let Some(first) = shots.first() else {
-        bail!("found no capture, expected at least one: the scope was not triggered");
+        return Err(no_capture(set));
     };
     let names = columns(set, first, content)?.iter().map(|c| c.name.clone()).collect::<Vec<_>>();
     let several = shots.len() > 1;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::bail;
 use clap::{Args, ValueEnum};
 
-use super::input::ReadingArguments;
+use super::input::{ReadingArguments, no_capture};
 use crate::analysis::gate::Gate;
 use crate::analysis::window::Window;
 use crate::measurement::metadata;
@@ -105,7 +105,7 @@ pub type SelectedSignal = (Trace, Option<Site>, f64);
 /// The first channel that is meant.
 fn capture(set: &TraceSet, shot: &Shot) -> anyhow::Result<SelectedSignal> {
     let Some(capture) = shot.captures.first() else {
-        bail!("found no capture, expected at least one: the scope was not triggered");
+        return Err(no_capture(set));
     };
     let name = capture.waveform.source.to_string();
     let Some(mut trace) = capture.trace() else {

@@ -7,6 +7,8 @@ mod materials;
 mod mistakes;
 mod mutated;
 mod scope;
+mod shown;
+mod tapered;
 mod together;
 
 use std::path::Path;
