@@ -53,7 +53,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         None => for_each_shot(&arguments.file, &reading.table.columns(), take)?,
     }
     if surveys.is_empty() {
-        return Err(no_capture(&set));
+        return Err(no_capture(&problems));
     }
     let statistics = statistics(&surveys);
     if let Some(file) = &arguments.output {

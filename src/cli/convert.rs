@@ -244,7 +244,7 @@ fn name_instrument(set: &mut TraceSet, model: &Model) {
 /// The first shot that has captures.
 fn first_shot(set: &TraceSet) -> anyhow::Result<&Shot> {
     let Some(shot) = set.shots.iter().find(|shot| !shot.captures.is_empty()) else {
-        return Err(no_capture(set));
+        return Err(no_capture(&set.problems));
     };
     Ok(shot)
 }
@@ -294,7 +294,7 @@ fn native(capture: &Capture) -> anyhow::Result<String> {
 fn csv_file(set: &TraceSet, file: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let mut captures = set.shots.iter().flat_map(|shot| &shot.captures);
     match (captures.next(), captures.next()) {
-        (None, _) => Err(no_capture(set)),
+        (None, _) => Err(no_capture(&set.problems)),
         (Some(capture), None) => {
             files::write(file, native(capture)?).with_context(|| file.display().to_string())?;
             Ok(vec![file.to_owned()])
@@ -319,7 +319,7 @@ fn folders(set: &TraceSet, parent: &Path) -> anyhow::Result<Vec<PathBuf>> {
         written.extend(made.with_context(|| parent.display().to_string())?);
     }
     if written.is_empty() {
-        return Err(no_capture(set));
+        return Err(no_capture(&set.problems));
     }
     Ok(written)
 }

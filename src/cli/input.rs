@@ -120,8 +120,8 @@ pub fn shot<'a>(set: &'a TraceSet, name: &str, number: u32) -> anyhow::Result<&'
 }
 
 /// Why a file has no capture to look at.
-pub fn no_capture(set: &TraceSet) -> anyhow::Error {
-    match set.problems.as_slice() {
+pub fn no_capture(problems: &[String]) -> anyhow::Error {
+    match problems {
         [] => anyhow!("no capture in this file: the scope was not triggered"),
         problems => anyhow!("no capture can be read from this file: {}", problems.join("; ")),
     }

@@ -32,7 +32,7 @@ struct TableColumn {
 pub fn plain_table(set: &TraceSet, content: TableContent) -> anyhow::Result<String> {
     let shots: Vec<&Shot> = set.shots.iter().filter(|shot| !shot.captures.is_empty()).collect();
     let Some(first) = shots.first() else {
-        return Err(no_capture(set));
+        return Err(no_capture(&set.problems));
     };
     let names = columns(set, first, content)?.iter().map(|c| c.name.clone()).collect::<Vec<_>>();
     let several = shots.len() > 1;

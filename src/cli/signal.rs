@@ -105,7 +105,7 @@ pub type SelectedSignal = (Trace, Option<Site>, f64);
 /// The first channel that is meant.
 fn capture(set: &TraceSet, shot: &Shot) -> anyhow::Result<SelectedSignal> {
     let Some(capture) = shot.captures.first() else {
-        return Err(no_capture(set));
+        return Err(no_capture(&set.problems));
     };
     let name = capture.waveform.source.to_string();
     let Some(mut trace) = capture.trace() else {
