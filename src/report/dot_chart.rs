@@ -5,8 +5,12 @@ use std::fmt::Write as _;
 use super::escape;
 use super::sheet::COLOURS;
 
-/// Columns: names, frame, words behind it (pixels).
-const WIDTHS: (f64, f64, f64) = (190.0, 440.0, 110.0);
+/// Columns: frame, words behind it (pixels).
+const WIDTHS: (f64, f64) = (440.0, 110.0);
+/// Estimated width of a letter (pixels).
+const LETTER: f64 = 7.0;
+/// Decades that the axis has at most, down from its end.
+const MOST_DECADES: i32 = 8;
 /// Height of a row, of what is above the rows, and below (pixels).
 const HEIGHTS: (f64, f64, f64) = (20.0, 74.0, 54.0);
 /// Radius of a dot (pixels).
@@ -30,8 +34,6 @@ pub struct DotChart {
     pub title: String,
     /// The axis with its unit.
     pub axis: String,
-    /// Decades of the axis: exponents of its first and last power of ten.
-    pub decades: (i32, i32),
     /// Names of the series.
     pub series: Vec<&'static str>,
     /// A line across all rows, and its name (unit).
@@ -41,16 +43,36 @@ pub struct DotChart {
 }
 
 impl DotChart {
-    /// Place on the axis; what is below it stands at its beginning, what is beyond at its end (pixels).
+    /// Exponents of the first and the last power of ten of the axis, around all values.
+    #[allow(clippy::cast_possible_truncation, reason = "a few decades")]
+    fn decades(&self) -> (i32, i32) {
+        let values = self.rows.iter().flat_map(|row| &row.values).flatten();
+        let sizes =
+            values.chain([&self.mark.0]).map(|value| value.abs()).filter(|size| *size > 0.0);
+        let (low, high) = sizes
+            .map(f64::log10)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        let last = (high + 0.05).ceil() as i32;
+        ((low.floor() as i32).clamp(last - MOST_DECADES, last - 1), last)
+    }
+
+    /// Room for the names (pixels).
+    fn left(&self) -> f64 {
+        let longest = self.rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0);
+        24.0 + LETTER * f64::from(u32::try_from(longest).unwrap_or(0))
+    }
+
+    /// Place on the axis; what is below it stands at its beginning (pixels).
     fn x(&self, value: f64) -> f64 {
-        let (from, to) = (f64::from(self.decades.0), f64::from(self.decades.1));
+        let (from, to) = self.decades();
+        let (from, to) = (f64::from(from), f64::from(to));
         let place = value.abs().max(f64::MIN_POSITIVE).log10().clamp(from, to);
-        WIDTHS.0 + WIDTHS.1 * (place - from) / (to - from)
+        self.left() + WIDTHS.0 * (place - from) / (to - from)
     }
 
     /// The picture.
     pub fn svg(&self) -> String {
-        let (left, frame, right) = WIDTHS;
+        let (left, (frame, right)) = (self.left(), WIDTHS);
         let (row_height, above, below) = HEIGHTS;
         #[allow(clippy::cast_precision_loss, reason = "a few dozen rows")]
         let down = row_height * self.rows.len() as f64;
@@ -76,7 +98,7 @@ impl DotChart {
                 escape(&row.words)
             );
             for (value, colour) in row.values.iter().zip(COLOURS) {
-                let Some(value) = value.filter(|value| *value != 0.0) else { continue };
+                let Some(value) = *value else { continue };
                 let x = self.x(value);
                 let _ = writeln!(
                     svg,
@@ -90,7 +112,7 @@ impl DotChart {
     }
 
     fn legend(&self, svg: &mut String) {
-        let mut x = WIDTHS.0;
+        let mut x = self.left();
         for (name, colour) in self.series.iter().zip(COLOURS) {
             let _ = writeln!(
                 svg,
@@ -108,9 +130,10 @@ impl DotChart {
     }
 
     fn axis(&self, svg: &mut String, bottom: f64) {
-        let (left, frame, _) = WIDTHS;
+        let (left, frame) = (self.left(), WIDTHS.0);
         let top = HEIGHTS.1;
-        for decade in self.decades.0..=self.decades.1 {
+        let (first, last) = self.decades();
+        for decade in first..=last {
             let x = self.x(10f64.powi(decade));
             let _ = writeln!(
                 svg,

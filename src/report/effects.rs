@@ -11,8 +11,6 @@ const TABLE_LEGEND: &str = "Changes are those of readings with the effect agains
     Needed: without it readings differ by more than the accuracy (records by a tenth of a level or sample). Left out: with it they would. \
     No value: the scene gives none to try. * by auto. \
     --why gives the reasons.";
-/// Powers of ten of the picture's axis (%).
-const EFFECT_DECADES: (i32, i32) = (-6, 2);
 /// Column at which reasons begin.
 const REASON_COLUMN: usize = 23;
 
@@ -56,7 +54,6 @@ pub fn effects_svg(ledger: &Ledger) -> String {
         title: format!("{}: what each effect changes", ledger.scene),
         axis: "readings with the effect against without (%); at the left end: that or less"
             .to_owned(),
-        decades: EFFECT_DECADES,
         series: vec!["first peak", "arrival", "speed"],
         mark: (100.0 * ledger.accuracy, "accuracy of the runs".to_owned()),
         rows: ledger.entries.iter().map(row).collect(),

@@ -5,9 +5,6 @@ use super::table;
 use super::text::hanging_indent;
 use crate::studies::hard_cases::CaseResult;
 
-/// Powers of ten of the picture's axis (1).
-const DECADES: (i32, i32) = (-8, 1);
-
 /// How near each case comes to its bound, as a picture.
 pub fn hard_cases_svg(findings: &[CaseResult]) -> String {
     let row = |finding: &CaseResult| {
@@ -22,7 +19,6 @@ pub fn hard_cases_svg(findings: &[CaseResult]) -> String {
         title: "Hard cases: the tightest figure of each over its bound".to_owned(),
         axis: "figure over bound; at the left end: that or less; refused cases have none"
             .to_owned(),
-        decades: DECADES,
         series: vec!["figure"],
         mark: (1.0, "bound".to_owned()),
         rows: findings.iter().map(row).collect(),
