@@ -46,7 +46,7 @@ pub fn notes(
             notes.push(format!("the trigger level {} is within the trigger's hysteresis of {} around zero: a pulse from rest may not trigger", engineering(level, "V", 3), engineering(deaf, "V", 3)));
         }
     }
-    let interval = scene.scope.model.signal_interval(scene.scope.time_base);
+    let interval = scene.scope.signal_interval();
     let apart = engineering(interval, "s", 3);
     let passed = format!(
         "no sample crossed the trigger's level (they are {apart} apart; shorter pulses may be missed)"

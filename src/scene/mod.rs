@@ -24,9 +24,11 @@ pub mod plan;
 pub mod plates;
 pub mod problem;
 pub mod reader;
+pub mod resolved;
 mod sensors;
 mod series;
 mod shot;
+mod taper;
 mod texts;
 mod tree;
 mod uncertainty;
@@ -189,6 +191,11 @@ fn read(
     }
     let errors_of = moving.scope_errors.then_some(seed);
     let scope = bench::drawn(&root, (moving.noise, errors_of), duration, panel);
+    let averages = scope.as_ref().is_some_and(|scope| scope.acquisition.depth() > 1);
+    if let (true, Some(table)) = (averages && moving.spread.is_some(), root.table("scope")) {
+        let found = "\"average\" of impacts whose speeds differ";
+        table.problem("acquisition", found, "\"sample\", or no effects.striker_speed_spread");
+    }
     root.finish();
     let (spec, chain) = moving.built?;
     Some(Scene {

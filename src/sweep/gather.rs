@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::log::{LogHeader, LoggedRun, Scan, logs, scan};
+use super::plan::Column;
 use super::row::cells;
 use super::table::TableWriter;
 use super::work::RunCounts;
@@ -94,6 +95,11 @@ impl GatheredLogs {
     /// Runs of the whole sweep.
     pub fn runs(&self) -> u64 {
         self.header.runs
+    }
+
+    /// Columns of the sweep's table.
+    pub fn columns(&self) -> &[Column] {
+        &self.header.columns
     }
 
     /// The logs that were read.
