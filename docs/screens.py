@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes the pictures of the README: docs/magnet-0.61g.svg, the scope's screen, and docs/view-*.svg, from real sessions of `hertzscope view`.
+"""Makes the pictures of the README and of docs/screen.md: docs/magnet-0.61g.svg, the scope's screen, and docs/view-*.svg, from real sessions of `hertzscope view`.
 
     cargo build --release && docs/screens.py [target/release/hertzscope [NAME...]]
 

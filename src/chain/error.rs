@@ -1,16 +1,16 @@
-//! Why bodies cannot be put together to a chain.
+//! Errors of building a chain: the scene loader's, and those of whatever computes the static equilibrium.
 
 use crate::quantity::engineering;
 
-/// Why bodies cannot be put together to a chain.
+/// Errors of building a chain from bodies, and of finding its static equilibrium.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ChainError {
     /// No bodies.
-    #[error("found a chain without particles, expected at least one")]
+    #[error("a chain without particles: name at least one")]
     Empty,
     /// Two flat faces meet.
     #[error(
-        "found flat on flat between {upper} and {lower}, expected at least one curved face: a Hertz contact has a radius"
+        "two flat faces touch, {upper} on {lower}: a Hertz contact needs at least one curved face"
     )]
     FlatOnFlat {
         /// The body above.
@@ -19,12 +19,12 @@ pub enum ChainError {
         lower: String,
     },
     /// The striker would have to pass through a wall.
-    #[error("found both a striker and a wall at the top, expected one of them")]
+    #[error("both a striker and a wall are at the top: leave one away")]
     StrikerBehindWall,
-    /// A contact would have to pull.
+    /// The static force of a contact is tensile.
     #[error(
-        "found no static state: the contact above {body} would have to bear {}, expected a force that presses",
-        engineering(*force, "N", 4)
+        "no static equilibrium: the contact above {body} would need a tensile force of {}, but contacts only push",
+        engineering(force.abs(), "N", 4)
     )]
     Pulling {
         /// The body below the contact.
@@ -32,69 +32,69 @@ pub enum ChainError {
         /// Static force (N).
         force: f64,
     },
-    /// A contact without preload has no tangent.
+    /// A contact without preload has zero stiffness and cannot be linearised.
     #[error(
-        "found no static force above {body}, expected one: effects.linearised_contacts needs every contact precompressed"
+        "the contact above {body} carries no static force: effects.linearised_contacts needs a preload on every contact"
     )]
     NothingToLinearise {
         /// The body below the contact.
         body: String,
     },
-    /// A linearised contact never ends, so a loss in it has no end either.
+    /// A linearised contact never opens; a loss in it would act in tension, too, which the loss models do not describe.
     #[error(
-        "found a loss in the linearised contact above {body}, expected one of the two: a linearised contact never opens"
+        "the contact above {body} is linearised and has a loss: switch off effects.linearised_contacts or the loss"
     )]
-    LossWithoutEnd {
+    LinearisedWithLoss {
         /// The body below the contact.
         body: String,
     },
     /// Loads do not balance and no wall takes the rest.
     #[error(
-        "found no static state: {} remain at the bottom, expected a wall there or balanced forces",
-        engineering(*rest, "N", 4)
+        "no static equilibrium: a net force of {} is left at the bottom; put a wall there or balance the forces",
+        engineering(*net_force, "N", 4)
     )]
     Unbalanced {
-        /// What is left (N).
-        rest: f64,
+        /// Net force (N).
+        net_force: f64,
     },
-    /// The particle stands where the magnet's table ends.
+    /// The particle is outside the magnet's force table.
     #[error(
-        "found the particle at rest {} from the magnet's face, expected a distance within the magnet's table",
+        "the particle at rest is {} from the magnet's face, outside the magnet's force table: choose another distance",
         engineering(*distance, "m", 4)
     )]
     MagnetBeyondTable {
         /// Distance (m).
         distance: f64,
     },
-    /// Nothing says how far the particle sinks.
+    /// The displacement of the particle under load is unknown.
     #[error(
-        "found a magnet's distance from an unloaded chain without a wall at the bottom, expected a wall there, or the distance at rest"
+        "the magnet's distance is given before loading, but without a wall at the bottom the displacement under load is unknown: add a wall, or give the distance at rest"
     )]
     MagnetWithoutWall,
-    /// Wherever the particle sinks to, the magnet pulls harder than the chain, or not at all.
+    /// At every displacement the magnet's attraction exceeds the chain's elastic force, or there is no attraction.
     #[error(
-        "found no static state: a magnet {} from the unloaded particle pulls it in or does not attract it, expected another distance",
+        "no static equilibrium: a magnet {} from the particle (before loading) pulls it in, or does not attract it; choose another distance",
         engineering(*distance, "m", 4)
     )]
     MagnetSnaps {
         /// Distance before anything presses (m).
         distance: f64,
     },
-    /// A static state from which the smallest push leads away.
+    /// An unstable equilibrium.
     #[error(
-        "found a static state that does not last: the magnet's force grows by {} as the particle sinks, expected less than the chain's {}",
+        "unstable equilibrium: the gradient of the magnet's force, {}, exceeds the stiffness of the chain, {}; increase the distance",
         engineering(*growth, "N/m", 4),
         engineering(*stiffness, "N/m", 4)
     )]
     MagnetUnstable {
-        /// Growth of the magnet's force (N/m).
+        /// Gradient of the magnet's force (N/m).
         growth: f64,
         /// Stiffness of all contacts below the particle (N/m).
         stiffness: f64,
     },
-    /// The magnet pulls nowhere as hard as is wanted.
+    /// The magnet reaches a force at no distance.
     #[error(
-        "found {}, expected a force that the magnet reaches somewhere",
+        "a magnet force of {} is asked for; this magnet does not reach it at any distance",
         engineering(*force, "N", 4)
     )]
     MagnetTooWeak {
@@ -104,8 +104,8 @@ pub enum ChainError {
 }
 
 impl ChainError {
-    /// Whether it is the magnet that stands wrong.
-    pub fn is_of_magnet(&self) -> bool {
+    /// Whether the error is about the magnet's distance or strength.
+    pub fn concerns_magnet(&self) -> bool {
         matches!(
             self,
             Self::MagnetBeyondTable { .. }

@@ -59,6 +59,25 @@ pub struct Body {
     pub yield_strength: Option<f64>,
 }
 
+impl Body {
+    /// The same shape and material, so many times as large (1).
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self {
+            mass: self.mass * factor.powi(3),
+            length: self.length * factor,
+            curvature: self.curvature / factor,
+            ..self.clone()
+        }
+    }
+
+    /// Whether the other is of the same kind and size; their masses may differ by what sits in them.
+    pub fn is_alike(&self, other: &Self) -> bool {
+        let shape = |body: &Self| [body.length.to_bits(), body.curvature.to_bits()];
+        self.name == other.name && shape(self) == shape(other)
+    }
+}
+
 /// What stands at an end of the chain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum End {

@@ -67,7 +67,7 @@ pub fn contact(
         .map(|strength| hertz::first_yield((upper.0, upper.1), (lower.0, lower.1), strength));
     let loss = spec.effects.loss_between(short(upper.2), short(lower.2));
     if loss.is_some() && law == Law::Linearised {
-        return Err(ChainError::LossWithoutEnd { body: lower.2.to_owned() });
+        return Err(ChainError::LinearisedWithLoss { body: lower.2.to_owned() });
     }
     Ok(Contact { stiffness, static_force: bears, static_overlap, law, loss, yield_force })
 }
@@ -88,7 +88,7 @@ fn open_end(
         let support = if let End::Force(force) = spec.bottom { force } else { 0.0 };
         let rest = bears - support;
         if rest.abs() > 1e-12 * (bears.abs() + support.abs()) {
-            return Err(ChainError::Unbalanced { rest });
+            return Err(ChainError::Unbalanced { net_force: rest });
         }
     }
     // An end force presses on the outermost face without giving: a plate next to it feels it.

@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context as _, bail};
+use anyhow::Context as _;
 use clap::Args;
 use serde_json::json;
 
-use super::input::{BenchArguments, Selection, TableArguments};
+use super::input::{ReadingArguments, no_capture};
 use super::picture;
 use crate::files;
 use crate::measurement::arrivals::survey;
@@ -21,11 +21,7 @@ pub struct Arguments {
     /// A recording (.mcap), a scope's file (.csv, .isf), or a folder of them
     file: PathBuf,
     #[command(flatten)]
-    table: TableArguments,
-    #[command(flatten)]
-    bench: BenchArguments,
-    #[command(flatten)]
-    selection: Selection,
+    reading: ReadingArguments,
     /// Write the statistics over all shots into this table
     #[arg(short, long, value_name = "FILE.csv", value_parser = csv)]
     output: Option<PathBuf>,
@@ -44,21 +40,20 @@ fn csv(text: &str) -> Result<PathBuf, String> {
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let (mut surveys, mut problems) = (Vec::new(), Vec::new());
-    let (table, selection) = (&arguments.table, &arguments.selection);
+    let reading = &arguments.reading;
     let mut take = |mut set: TraceSet| {
         problems = std::mem::take(&mut set.problems);
-        arguments.bench.apply(&mut set)?;
-        selection.apply(&mut set)?;
+        reading.apply(&mut set)?;
         let shots = set.shots.iter().filter(|shot| !shot.captures.is_empty());
         surveys.extend(shots.map(|shot| survey(&set, shot)));
         anyhow::Ok(())
     };
-    match selection.shot() {
-        Some(number) => take(table.open_shot(&arguments.file, number)?)?,
-        None => for_each_shot(&arguments.file, &table.columns(), take)?,
+    match reading.selection.shot() {
+        Some(number) => take(reading.table.open_shot(&arguments.file, number)?)?,
+        None => for_each_shot(&arguments.file, &reading.table.columns(), take)?,
     }
     if surveys.is_empty() {
-        bail!("found no capture, expected at least one: the scope was not triggered");
+        return Err(no_capture(&problems));
     }
     let statistics = statistics(&surveys);
     if let Some(file) = &arguments.output {

@@ -1,12 +1,10 @@
 //! `hertzscope bands`: where a chain's band gap lies, and how it moves with the preload.
 
-use std::path::PathBuf;
-
 use anyhow::bail;
 use clap::Args;
 use serde_json::json;
 
-use super::picture;
+use super::picture::PlotArguments;
 use crate::analysis::dispersion::DiatomicChain;
 use crate::measurement::metadata;
 use crate::quantity::{Dimension, parse};
@@ -34,9 +32,8 @@ pub struct Arguments {
     /// Print as JSON
     #[arg(long)]
     json: bool,
-    /// Draw the gap's lower edge into this file
-    #[arg(long, value_name = picture::PICTURE_ENDINGS, value_parser = picture::file)]
-    plot: Option<PathBuf>,
+    #[command(flatten)]
+    plot: PlotArguments,
 }
 
 fn force(text: &str) -> Result<f64, String> {
@@ -48,6 +45,7 @@ fn force(text: &str) -> Result<f64, String> {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    arguments.plot.check()?;
     if arguments.to <= arguments.from {
         bail!(
             "found a highest preload of {} N, expected more than the lowest, {} N",
@@ -75,10 +73,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     rows.push(at(now));
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
     let title = format!("{}, around particle {particle}", scene.name);
-    if let Some(file) = &arguments.plot {
-        let picture = report::chart(&report::bands_curve(&rows, now), &title, ("N", "Hz"));
-        picture::save(file, &picture)?;
-    }
+    arguments.plot.save(|| report::chart(&report::bands_curve(&rows, now), &title, ("N", "Hz")))?;
     if !arguments.json {
         return super::print(&report::bands(&title, &rows, now));
     }

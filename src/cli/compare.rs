@@ -7,7 +7,7 @@ use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
 
 use super::budget::DrawArguments;
-use super::input::{TableArguments, assignment, keep_channels};
+use super::input::{Selection, TableArguments, assignment, shot};
 use super::progress::JobProgress;
 use super::sensor::{SensorAssignment, wire_all, wired};
 use crate::experiment::accuracy::of_scene;
@@ -17,7 +17,7 @@ use crate::measurement::compare::mapping::Assignment;
 use crate::measurement::compare::score_limits::ScoreLimits;
 use crate::measurement::compare::{Align, ComparedShot, Comparison, compare};
 use crate::recording::format::{Format, open_shot};
-use crate::recording::{Shot, TraceSet, mcap};
+use crate::recording::{TraceSet, mcap};
 use crate::report;
 use crate::report::document::{Part, html, markdown};
 use crate::scene::Scene;
@@ -47,12 +47,8 @@ pub struct Arguments {
     /// A measured channel's sensor, a name or a file such as `calibrate` writes
     #[arg(long, value_name = "CH=SENSOR", value_parser = wired)]
     sensor: Vec<SensorAssignment>,
-    /// Only this channel of the measurement; may be given several times
-    #[arg(long, value_name = "CH")]
-    channel: Vec<String>,
-    /// Shot of the measurement
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    shot: u32,
+    #[command(flatten)]
+    selection: Selection,
     /// Shot of a simulated recording
     #[arg(long, value_name = "N", default_value_t = 1)]
     simulated_shot: u32,
@@ -91,17 +87,14 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(file) = &arguments.output {
         ending(file, &["md", "html", "mcap"])?;
     }
-    let mut set = arguments.table.open_shot(&arguments.measured, arguments.shot)?;
-    keep_channels(&mut set, &arguments.channel)?;
+    let number = arguments.selection.single();
+    let mut set = arguments.table.open_shot(&arguments.measured, number)?;
+    arguments.selection.keep_channels(&mut set)?;
     wire_all(&mut set, &arguments.sensor)?;
     let simulation = Simulation::of(arguments)?;
     let name = arguments.measured.display().to_string();
-    let measured = ComparedShot {
-        name: &name,
-        set: &set,
-        shot: shot(&set, &name, arguments.shot)?,
-        scene: None,
-    };
+    let measured =
+        ComparedShot { name: &name, set: &set, shot: shot(&set, &name, number)?, scene: None };
     let simulated = ComparedShot {
         name: &arguments.simulated,
         set: &simulation.set,
@@ -183,14 +176,6 @@ impl Simulation {
         let set = TraceSet { shots: vec![outcome?.shot], metadata, ..TraceSet::default() };
         Ok(Self { set, shot: 1, scene: Some(scene) })
     }
-}
-
-/// The shot of a number.
-pub fn shot<'a>(set: &'a TraceSet, name: &str, number: u32) -> anyhow::Result<&'a Shot> {
-    let Some(shot) = set.shots.iter().find(|shot| shot.number == number) else {
-        bail!("{name}: found {} shots, expected one with number {number}", set.shots.len());
-    };
-    Ok(shot)
 }
 
 /// A file's ending, which is to be one of `known`.

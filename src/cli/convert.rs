@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, anyhow, bail};
 use clap::{Args, ValueEnum};
 
-use super::input::{BenchArguments, Selection, TableArguments};
+use super::input::{ReadingArguments, no_capture};
+use super::overwrite::OverwriteArguments;
+use super::picture;
 use super::plain_table::{TableContent, plain_table};
 use crate::files;
 use crate::recording::format::open_large;
@@ -13,20 +15,22 @@ use crate::recording::mcap::RecordingWriter;
 use crate::recording::mcap::indexed_recording::IndexedRecording;
 use crate::recording::tek_csv::TekCsvError;
 use crate::recording::{Capture, InstrumentIdentity, Shot, TraceSet, isf, mcap, tek_csv};
-use crate::report;
+use crate::report::{self, ScreenTheme};
 use crate::scene::oscilloscope;
 use crate::scope::{Model, Source};
 use crate::screen::{PictureFormat, draw, file};
+use crate::sweep::table;
 
 use super::saved::saved;
 
-/// Convert between recordings (.mcap), tables (.csv) and a TDS2000's files (folders ALL0000 with curves, set-up and screen, .isf), or draw
+/// Convert recordings and a scope's files into each other, into tables, or into pictures of the screen
 #[derive(Debug, Args)]
+#[allow(clippy::struct_excessive_bools, reason = "switches of a command line")]
 pub struct Arguments {
     /// A recording (.mcap), a scope's file (.csv, .isf), or a folder of them
     input: PathBuf,
-    /// A recording (.mcap), a table `time_s,CH1_V,...` (.csv), a file of the scope for a single capture (.isf, or .csv with --as tds),
-    /// a picture of the first shot (.svg, or as the scope makes it: .bmp, .pcx, .tif, .eps), or a folder (no ending, or FOLDER/) in
+    /// A recording (.mcap), a table `time_s,CH1_V,...` (.csv, .jsonl, .parquet), a file of the scope for a single capture (.isf, or .csv with
+    /// --as tds), a picture of the first shot (.svg, .png, or as the scope makes it: .bmp, .pcx, .tif, .eps), or a folder (no ending, or FOLDER/) in
     /// which ALL0000, ALL0001, ... are made
     output: PathBuf,
     /// What a .csv is: a plain table, or the file that a TDS2000 saves
@@ -37,16 +41,17 @@ pub struct Arguments {
     truth: bool,
     /// In a table: newtons in the place of volts, by the sensors' calibrations
     #[arg(long)]
-    force: bool,
+    newtons: bool,
     #[command(flatten)]
-    table: TableArguments,
-    #[command(flatten)]
-    bench: BenchArguments,
-    #[command(flatten)]
-    selection: Selection,
+    reading: ReadingArguments,
     /// The instrument that captures without one are said to be from: a native .csv must name it
     #[arg(long, value_name = "MODEL")]
     instrument: Option<String>,
+    /// In a picture (.svg, .png): dark on white, for print
+    #[arg(long)]
+    light: bool,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
     /// Do not name the files written
     #[arg(short, long)]
     quiet: bool,
@@ -65,7 +70,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(recording) = open_large(&arguments.input)? {
         return shot_by_shot(arguments, recording);
     }
-    let set = arguments.table.open(&arguments.input)?;
+    let set = arguments.reading.table.open(&arguments.input)?;
     for problem in &set.problems {
         super::say(&format!("warning: {}: {problem}", arguments.input.display()));
     }
@@ -82,7 +87,9 @@ fn shot_by_shot(arguments: &Arguments, mut recording: IndexedRecording) -> anyho
     let ending = output.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     match ending.as_deref() {
         Some("mcap") => return recording_shot_by_shot(arguments, recording),
-        Some("isf" | "csv") if recording.shots() > 1 && arguments.selection.shot().is_none() => {
+        Some("isf" | "csv")
+            if recording.shots() > 1 && arguments.reading.selection.shot().is_none() =>
+        {
             bail!(
                 "found {} shots, expected one for a single file: give a folder, or --shot",
                 recording.shots()
@@ -93,7 +100,7 @@ fn shot_by_shot(arguments: &Arguments, mut recording: IndexedRecording) -> anyho
     let is_folder = ending.is_none();
     for place in 0..recording.shots() {
         let Some((shot, notes)) = recording.shot_and_notes(place)? else { continue };
-        if shot.captures.is_empty() || !arguments.selection.wants(shot.number) {
+        if shot.captures.is_empty() || !arguments.reading.selection.wants(shot.number) {
             continue;
         }
         let mut set = TraceSet { problems: Vec::new(), ..facts.clone() };
@@ -115,11 +122,12 @@ fn recording_shot_by_shot(
 ) -> anyhow::Result<()> {
     let output = &arguments.output;
     refuse_input_as_output(arguments)?;
+    arguments.overwrite.check(output)?;
     let facts = recording.facts();
     let mut copy = None;
     for place in 0..recording.shots() {
         let Some((shot, notes)) = recording.shot_and_notes(place)? else { continue };
-        if !arguments.selection.wants(shot.number) {
+        if !arguments.reading.selection.wants(shot.number) {
             continue;
         }
         let mut set = facts.clone();
@@ -161,46 +169,56 @@ fn refuse_input_as_output(arguments: &Arguments) -> anyhow::Result<()> {
 
 /// Leaves out what is not meant, and notes what the user says of the rest.
 fn prepare(arguments: &Arguments, set: &mut TraceSet) -> anyhow::Result<()> {
-    arguments.selection.apply(set)?;
+    arguments.reading.apply(set)?;
     if let Some(name) = &arguments.instrument {
         name_instrument(set, &oscilloscope(name)?);
     }
-    arguments.bench.apply(set)
+    Ok(())
 }
 
 fn convert(arguments: &Arguments, mut set: TraceSet) -> anyhow::Result<()> {
     prepare(arguments, &mut set)?;
     let output = &arguments.output;
     refuse_input_as_output(arguments)?;
-    let is_table = arguments.form == Form::Table
-        && output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
-    if (arguments.truth || arguments.force) && !is_table {
-        bail!("{}: --truth and --force are for tables (.csv)", output.display());
-    }
-    let extension = output.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     let is_folder = output.is_dir() || output.as_os_str().as_encoded_bytes().ends_with(b"/");
+    arguments.overwrite.check(output)?;
+    let extension = output.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    let is_table = match extension.as_deref() {
+        Some("csv") => arguments.form == Form::Table,
+        Some("jsonl" | "parquet") => true,
+        _ => false,
+    };
+    if (arguments.truth || arguments.newtons) && !is_table {
+        bail!("{}: --truth and --newtons are for tables (.csv)", output.display());
+    }
+    if arguments.light && !matches!(extension.as_deref(), Some("svg" | "png")) {
+        bail!("{}: --light is for pictures (.svg, .png)", output.display());
+    }
     let written = match extension.as_deref() {
         _ if is_folder => folders(&set, output)?,
         Some("mcap") => {
             mcap::write(output, &set)?;
             vec![output.clone()]
         }
-        Some("csv") if is_table => {
-            let content = TableContent { truth: arguments.truth, force: arguments.force };
-            let table = plain_table(&set, content)?;
-            files::write(output, table).with_context(|| output.display().to_string())?;
+        _ if is_table => {
+            let content = TableContent { truth: arguments.truth, newtons: arguments.newtons };
+            table::write(output, &plain_table(&set, content)?)?;
             vec![output.clone()]
         }
         Some("csv") => csv_file(&set, output)?,
         Some("isf") => isf_file(&set, output)?,
-        Some("svg") => picture(&set, output)?,
+        Some("svg" | "png") => {
+            let theme = if arguments.light { ScreenTheme::Light } else { ScreenTheme::Dark };
+            draw_screen(&set, output, theme)?;
+            vec![output.clone()]
+        }
         Some("bmp") => screen(&set, output, PictureFormat::Bmp)?,
         Some("pcx") => screen(&set, output, PictureFormat::Pcx)?,
         Some("tif" | "tiff") => screen(&set, output, PictureFormat::Tiff)?,
         Some("eps") => screen(&set, output, PictureFormat::EpsColour)?,
         None => folders(&set, output)?,
         Some(other) => bail!(
-            "{}: found the ending .{other}, expected .mcap, .csv, .isf, .svg, .bmp, .pcx, .tif, .eps, or a folder",
+            "{}: found the ending .{other}, expected .mcap, .csv, .jsonl, .parquet, .isf, .svg, .png, .bmp, .pcx, .tif, .eps, or a folder",
             output.display()
         ),
     };
@@ -226,7 +244,7 @@ fn name_instrument(set: &mut TraceSet, model: &Model) {
 /// The first shot that has captures.
 fn first_shot(set: &TraceSet) -> anyhow::Result<&Shot> {
     let Some(shot) = set.shots.iter().find(|shot| !shot.captures.is_empty()) else {
-        bail!("found no capture, expected at least one: the scope was not triggered");
+        return Err(no_capture(&set.problems));
     };
     Ok(shot)
 }
@@ -240,13 +258,12 @@ fn screen(set: &TraceSet, path: &Path, format: PictureFormat) -> anyhow::Result<
 }
 
 /// The screen at the first shot that has captures, as a drawing.
-fn picture(set: &TraceSet, file: &Path) -> anyhow::Result<Vec<PathBuf>> {
+fn draw_screen(set: &TraceSet, file: &Path, theme: ScreenTheme) -> anyhow::Result<()> {
     let shot = first_shot(set)?;
     let facts = set.metadata.get("hertzscope:recording");
-    let title = facts.and_then(|facts| facts.get("title")).map_or("", String::as_str);
-    let svg = report::screen(shot, title);
-    files::write(file, svg).with_context(|| file.display().to_string())?;
-    Ok(vec![file.to_owned()])
+    let file_name = set.attachments.first().map(|attachment| &attachment.name);
+    let title = facts.and_then(|facts| facts.get("title")).or(file_name).map_or("", String::as_str);
+    picture::save(file, &report::screen(shot, title, theme))
 }
 
 /// The single capture of a set.
@@ -277,7 +294,7 @@ fn native(capture: &Capture) -> anyhow::Result<String> {
 fn csv_file(set: &TraceSet, file: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let mut captures = set.shots.iter().flat_map(|shot| &shot.captures);
     match (captures.next(), captures.next()) {
-        (None, _) => bail!("found no capture, expected at least one: the scope was not triggered"),
+        (None, _) => Err(no_capture(&set.problems)),
         (Some(capture), None) => {
             files::write(file, native(capture)?).with_context(|| file.display().to_string())?;
             Ok(vec![file.to_owned()])
@@ -302,7 +319,7 @@ fn folders(set: &TraceSet, parent: &Path) -> anyhow::Result<Vec<PathBuf>> {
         written.extend(made.with_context(|| parent.display().to_string())?);
     }
     if written.is_empty() {
-        bail!("found no capture, expected at least one: the scope was not triggered");
+        return Err(no_capture(&set.problems));
     }
     Ok(written)
 }

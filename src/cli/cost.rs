@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::anyhow;
 use clap::Args;
 
-use super::picture;
+use super::picture::{self, PlotArguments};
 use super::progress::JobProgress;
 use crate::experiment::accuracy::{of_scene, run_to_accuracy};
 use crate::experiment::auto_effects::resolve_auto_effects;
@@ -25,9 +25,8 @@ pub struct Arguments {
     /// Print the study as JSON
     #[arg(long)]
     json: bool,
-    /// Draw the study
-    #[arg(long, value_name = picture::PICTURE_ENDINGS, value_parser = picture::file)]
-    plot: Option<PathBuf>,
+    #[command(flatten)]
+    plot: PlotArguments,
     /// Run the scene, too, and write its recording with the study as its attachment `cost.json`
     #[arg(long, value_name = "FILE.mcap", value_parser = recording)]
     record: Option<PathBuf>,
@@ -43,15 +42,15 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    arguments.plot.check()?;
+    arguments.record.iter().try_for_each(|file| arguments.plot.overwrite.check(file))?;
     let scene = Scene::load(&arguments.scene)?;
     let mut progress = JobProgress::new(&scene.name, arguments.quiet);
     let found = study(&scene, arguments.runs, &mut |share| progress.at(share));
     progress.done();
     let found = found.map_err(|error| anyhow!("{}: no reference: {error}", scene.name))?;
     let work = if arguments.evaluations { WorkMeasure::Evaluations } else { WorkMeasure::Time };
-    if let Some(file) = &arguments.plot {
-        picture::save(file, &report::work_precision_svg(&found, work))?;
-    }
+    arguments.plot.save(|| report::work_precision_svg(&found, work))?;
     if let Some(file) = &arguments.record {
         record(file, &scene, &found)?;
     }

@@ -6,8 +6,8 @@ use anyhow::bail;
 use clap::Args;
 use serde_json::json;
 
-use super::input::{BenchArguments, TableArguments};
-use super::picture;
+use super::input::ReadingArguments;
+use super::picture::PlotArguments;
 use super::signal::time;
 use crate::analysis::gate::Gate;
 use crate::analysis::wavenumber::spectral_lines;
@@ -28,15 +28,10 @@ pub struct Arguments {
     /// A recording of a simulation (.mcap): waves are read from the contact forces along the chain
     file: PathBuf,
     #[command(flatten)]
-    table: TableArguments,
-    #[command(flatten)]
-    bench: BenchArguments,
+    reading: ReadingArguments,
     /// Particle in whose periodic part of the chain to look [default: the first sensor's, else 2]
     #[arg(long, value_name = "N")]
     particle: Option<usize>,
-    /// Shot to look at
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    shot: u32,
     /// First time to take, e.g. 200us, after the striker's first contact
     #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
     from: Option<f64>,
@@ -49,9 +44,8 @@ pub struct Arguments {
     /// Print as JSON
     #[arg(long)]
     json: bool,
-    /// Draw into this file as well
-    #[arg(long, value_name = picture::PICTURE_ENDINGS, value_parser = picture::file)]
-    plot: Option<PathBuf>,
+    #[command(flatten)]
+    plot: PlotArguments,
 }
 
 fn percent(text: &str) -> Result<f64, String> {
@@ -68,10 +62,9 @@ fn percent(text: &str) -> Result<f64, String> {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    arguments.plot.check()?;
     let page = page(arguments)?;
-    if let Some(file) = &arguments.plot {
-        picture::save(file, &page.svg())?;
-    }
+    arguments.plot.save(|| page.svg())?;
     if !arguments.json {
         return super::print(&page.text());
     }
@@ -103,11 +96,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 fn page(arguments: &Arguments) -> anyhow::Result<DispersionPage> {
-    let mut set = arguments.table.open_shot(&arguments.file, arguments.shot)?;
-    arguments.bench.apply(&mut set)?;
-    let Some(shot) = set.shots.iter().find(|shot| shot.number == arguments.shot) else {
-        bail!("found {} shots, expected one with number {}", set.shots.len(), arguments.shot);
-    };
+    let (set, shot) = arguments.reading.open_single(&arguments.file)?;
     let Some(scene) = metadata::scene(&set) else {
         bail!(
             "found no scene in {}, expected a recording of a simulation: wavenumbers take the forces all along the chain",

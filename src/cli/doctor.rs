@@ -7,7 +7,7 @@ use super::AnswerIsNo;
 use crate::chain::simd::{InstructionSet, VARIABLE};
 use crate::studies::doctor::{Check, examine};
 
-/// Check the installation: what ships, the processor's instructions, a run known from outside; exit code 1 if anything is wrong
+/// Check the installation: shipped files, instruction sets of the processor, a run against an independent reference; exit code 1 if anything is wrong
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// Print what was found as JSON
@@ -41,7 +41,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         super::print(&serde_json::to_string_pretty(&report)?)?;
     } else {
         let mut lines = vec![
-            format!("hertzscope {version} with {}", features.join(", ")),
+            format!("hertzscope {version}, features: {}", features.join(", ")),
             format!(
                 "instructions of this processor: {}; used: {} (choose with {VARIABLE})",
                 sets.join(", "),

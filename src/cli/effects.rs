@@ -3,6 +3,7 @@
 use clap::Args;
 
 use super::accuracy::AccuracyArguments;
+use super::picture::PlotArguments;
 use super::progress::JobProgress;
 use crate::report;
 use crate::scene::Scene;
@@ -20,6 +21,8 @@ pub struct Arguments {
     /// Add why each is on or off, with the criterion
     #[arg(long)]
     why: bool,
+    #[command(flatten)]
+    plot: PlotArguments,
     /// Print the ledger as JSON
     #[arg(long)]
     json: bool,
@@ -29,12 +32,14 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    arguments.plot.check()?;
     let scene = Scene::load(&arguments.scene)?;
     let accuracy = AccuracyArguments::of(arguments.accuracy, &scene)?.value;
     let mut progress = JobProgress::new(&scene.name, arguments.quiet);
     let found = ledger(&scene, accuracy, &mut |share| progress.at(share));
     progress.done();
     let found = found?;
+    arguments.plot.save(|| report::effects_svg(&found))?;
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&found.entries)?)
     } else {

@@ -6,8 +6,9 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 
 use super::AnswerIsNo;
-use super::compare::{ending, shot, write_document};
-use super::input::assignment;
+use super::compare::{ending, write_document};
+use super::input::{Selection, TableArguments, assignment, shot};
+use super::overwrite::OverwriteArguments;
 use super::progress::JobProgress;
 use crate::analysis::gate::Gate;
 use crate::files;
@@ -16,7 +17,6 @@ use crate::fit::{Fit, FitOptions, fit};
 use crate::measurement::compare::ComparedShot;
 use crate::measurement::compare::mapping::Assignment;
 use crate::quantity::{Dimension, parse, parse_any};
-use crate::recording::format::open_shot;
 use crate::report;
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
 use crate::scene::{LOOSEST_ACCURACY, TIGHTEST_ACCURACY};
@@ -34,9 +34,10 @@ pub struct Arguments {
     /// Which sensor a measured channel is, e.g. CH1=p2,CH2=p14 [default: the recorded wiring, else the number]
     #[arg(long, value_name = "CH=SENSOR", value_delimiter = ',', value_parser = assignment)]
     map: Vec<Assignment>,
-    /// Shot of the measurement
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    shot: u32,
+    #[command(flatten)]
+    table: TableArguments,
+    #[command(flatten)]
+    selection: Selection,
     /// Also fit a gain for each channel about which nothing is known
     #[arg(long, conflicts_with = "gain_u")]
     gains: bool,
@@ -76,6 +77,8 @@ pub struct Arguments {
     /// Write a report with plots (.md, .html)
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
     /// Print as JSON
     #[arg(long)]
     json: bool,
@@ -109,6 +112,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     if let Some(file) = &arguments.report {
         ending(file, &["md", "html"])?;
+        arguments.overwrite.check(file)?;
     }
     let options = FitOptions {
         gains: arguments.gains,
@@ -172,16 +176,18 @@ fn run_fit(
     scene: &str,
     options: &FitOptions,
 ) -> anyhow::Result<()> {
-    let set = open_shot(Path::new(measured), arguments.shot)?;
+    let number = arguments.selection.single();
+    let mut set = arguments.table.open_shot(Path::new(measured), number)?;
+    arguments.selection.keep_channels(&mut set)?;
     let (scene, knobs) = freed(arguments, scene)?;
-    let shot = shot(&set, measured, arguments.shot)?;
+    let shot = shot(&set, measured, number)?;
     let side = ComparedShot { name: measured, set: &set, shot, scene: None };
     let mut progress = JobProgress::new("fit", arguments.quiet);
     let found =
         fit((&scene, &knobs), side, &arguments.map, options, &mut |share| progress.at(share));
     progress.done();
     if let Err(error) = &found
-        && error.is_undetermined()
+        && error.has_no_result()
     {
         eprintln!("nothing is found: {error}");
         return Err(AnswerIsNo.into());

@@ -7,8 +7,8 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::input::{BenchArguments, TableArguments, keep_channels};
-use super::picture;
+use super::input::ReadingArguments;
+use super::picture::PlotArguments;
 use crate::files;
 use crate::measurement::force::{Forces, forces};
 use crate::quantity::coverage::NORMAL_95;
@@ -20,35 +20,22 @@ pub struct Arguments {
     /// A recording (.mcap), a scope's file (.csv, .isf), or a folder of them
     file: PathBuf,
     #[command(flatten)]
-    table: TableArguments,
-    #[command(flatten)]
-    bench: BenchArguments,
-    /// Only this channel; may be given several times
-    #[arg(long, value_name = "CH")]
-    channel: Vec<String>,
-    /// Shot to look at
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    shot: u32,
+    reading: ReadingArguments,
     /// Write times, forces and standard uncertainties into this file
     #[arg(short, long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
-    /// Draw the first channel's force into this file
-    #[arg(long, value_name = picture::PICTURE_ENDINGS, value_parser = picture::file)]
-    plot: Option<PathBuf>,
+    #[command(flatten)]
+    plot: PlotArguments,
     /// Print as JSON, all samples included
     #[arg(long)]
     json: bool,
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let mut set = arguments.table.open_shot(&arguments.file, arguments.shot)?;
-    arguments.bench.apply(&mut set)?;
-    keep_channels(&mut set, &arguments.channel)?;
-    let Some(shot) = set.shots.iter().find(|shot| shot.number == arguments.shot) else {
-        bail!("found {} shots, expected one with number {}", set.shots.len(), arguments.shot);
-    };
+    arguments.plot.check()?;
+    let (set, shot) = arguments.reading.open_single(&arguments.file)?;
     let (mut found, mut problems) = (Vec::new(), Vec::new());
-    for channel in forces(&set, shot) {
+    for channel in forces(&set, &shot) {
         match channel {
             Ok(forces) => found.push(forces),
             Err(problem) => problems.push(problem.to_string()),
@@ -57,10 +44,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let Some(first) = found.first() else {
         bail!("found no channel with forces, expected at least one: {}", problems.join("; "));
     };
-    if let Some(file) = &arguments.plot {
-        let picture = report::chart(&report::force_curve(first), &first.force.name, ("s", "N"));
-        picture::save(file, &picture)?;
-    }
+    arguments
+        .plot
+        .save(|| report::chart(&report::force_curve(first), &first.force.name, ("s", "N")))?;
     if let Some(file) = &arguments.output {
         files::write(file, csv(&found)).with_context(|| file.display().to_string())?;
     }

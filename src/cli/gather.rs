@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::AnswerIsNo;
+use super::overwrite::OverwriteArguments;
 use super::progress::JobProgress;
 use crate::report;
 use crate::sweep::SweepError;
@@ -20,6 +21,8 @@ pub struct Arguments {
     /// Table to write, .csv, .jsonl or .parquet; may be repeated [default: GRID.csv beside the folder]
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
     /// Print what was found as JSON
     #[arg(long)]
     json: bool,
@@ -37,7 +40,11 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         named => named.to_vec(),
     };
     tables.iter().try_for_each(|file| table::check(file))?;
-    let found = gathered(&arguments.folder, &tables, arguments.quiet)?;
+    let logs = GatheredLogs::read(&arguments.folder)?;
+    if arguments.output.is_empty() && !arguments.overwrite.is_forced() {
+        tables.iter().try_for_each(|file| table::check_own(file, logs.columns()))?;
+    }
+    let found = gathered(&arguments.folder, logs, &tables, arguments.quiet)?;
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&found)?)?;
     } else if !arguments.quiet {
@@ -49,10 +56,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 /// Joins the logs in `folder` into `tables`; tells what the user should know on standard error.
 pub fn gathered(
     folder: &Path,
+    found: GatheredLogs,
     tables: &[PathBuf],
     quiet: bool,
 ) -> Result<GatherSummary, SweepError> {
-    let found = GatheredLogs::read(folder)?;
     for notice in &found.notices {
         super::say(&format!("note: {notice}"));
     }

@@ -2,6 +2,7 @@
 
 use clap::Args;
 
+use super::picture::PlotArguments;
 use super::progress::JobProgress;
 use crate::report;
 use crate::studies::hard_cases::{CaseVerdict, run_all};
@@ -12,6 +13,8 @@ pub struct Arguments {
     /// Add what makes each case hard, its bound and its tightest figure
     #[arg(long)]
     why: bool,
+    #[command(flatten)]
+    plot: PlotArguments,
     /// Print the catalogue as JSON
     #[arg(long)]
     json: bool,
@@ -22,9 +25,11 @@ pub struct Arguments {
 
 /// Whether no case is wrong.
 pub fn run(arguments: &Arguments) -> anyhow::Result<bool> {
+    arguments.plot.check()?;
     let mut progress = JobProgress::new("hard cases", arguments.quiet);
     let findings = run_all(&mut |share| progress.at(share));
     progress.done();
+    arguments.plot.save(|| report::hard_cases_svg(&findings))?;
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&findings)?)?;
     } else {

@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use anyhow::bail;
+use anyhow::{anyhow, bail};
 use clap::Args;
 
 use super::sensor::{SensorAssignment, wire_all, wired};
@@ -13,10 +13,12 @@ use crate::measurement::compare::mapping::Assignment;
 use crate::measurement::force::count_gains;
 use crate::measurement::metadata::{self, RecordedDistance};
 use crate::quantity::{Dimension, Uncertain, parse};
-use crate::recording::TraceSet;
 use crate::recording::format::{OpenError, open_with, read_shot};
 use crate::recording::tek_csv::TableColumns;
+use crate::recording::{Shot, TraceSet};
 use crate::scene::Scene;
+#[cfg(feature = "tui")]
+use crate::tui::model::BenchOption;
 
 /// Metadata groups of sensors begin like this.
 const SENSOR: &str = "hertzscope:sensor/";
@@ -52,7 +54,7 @@ impl TableArguments {
 /// Which shots and channels of a file are meant.
 #[derive(Debug, Args)]
 pub struct Selection {
-    /// Only this shot
+    /// Only this shot [default: all, or 1 where a single one is looked at]
     #[arg(long, value_name = "N")]
     shot: Option<u32>,
     /// Only this channel; may be given several times
@@ -66,6 +68,11 @@ impl Selection {
         self.shot
     }
 
+    /// The shot that is meant where a single one is looked at.
+    pub fn single(&self) -> u32 {
+        self.shot.unwrap_or(1)
+    }
+
     /// Whether this shot is meant.
     pub fn wants(&self, number: u32) -> bool {
         self.shot.is_none_or(|shot| shot == number)
@@ -73,7 +80,7 @@ impl Selection {
 
     /// Whether all of a file is meant.
     #[cfg(feature = "tui")]
-    pub fn is_all(&self) -> bool {
+    fn is_all(&self) -> bool {
         self.shot.is_none() && self.channel.is_empty()
     }
 
@@ -86,20 +93,80 @@ impl Selection {
                 bail!("no shot {number}: the file has {found}");
             }
         }
-        keep_channels(set, &self.channel)
+        self.keep_channels(set)
+    }
+
+    /// Leaves out of `set` all channels but those named, if any are.
+    pub fn keep_channels(&self, set: &mut TraceSet) -> anyhow::Result<()> {
+        let channels = &self.channel;
+        known_channels(set, channels.iter())?;
+        for shot in &mut set.shots {
+            shot.captures.retain(|capture| {
+                let name = capture.waveform.source.to_string();
+                channels.is_empty()
+                    || channels.iter().any(|channel| name.eq_ignore_ascii_case(channel))
+            });
+        }
+        Ok(())
     }
 }
 
-/// Leaves out of `set` all channels but those named, if any are.
-pub fn keep_channels(set: &mut TraceSet, channels: &[String]) -> anyhow::Result<()> {
-    known_channels(set, channels.iter())?;
-    for shot in &mut set.shots {
-        shot.captures.retain(|capture| {
-            let name = capture.waveform.source.to_string();
-            channels.is_empty() || channels.iter().any(|channel| name.eq_ignore_ascii_case(channel))
-        });
+/// The shot of a number.
+pub fn shot<'a>(set: &'a TraceSet, name: &str, number: u32) -> anyhow::Result<&'a Shot> {
+    let Some(shot) = set.shots.iter().find(|shot| shot.number == number) else {
+        bail!("{name}: found {} shots, expected one with number {number}", set.shots.len());
+    };
+    Ok(shot)
+}
+
+/// Why a file has no capture to look at.
+pub fn no_capture(problems: &[String]) -> anyhow::Error {
+    match problems {
+        [] => anyhow!("no capture in this file: the scope was not triggered"),
+        problems => anyhow!("no capture can be read from this file: {}", problems.join("; ")),
     }
-    Ok(())
+}
+
+/// What is read of a file: its columns, its bench, its shots and channels.
+#[derive(Debug, Args)]
+pub struct ReadingArguments {
+    #[command(flatten)]
+    pub table: TableArguments,
+    #[command(flatten)]
+    bench: BenchArguments,
+    #[command(flatten)]
+    pub selection: Selection,
+}
+
+impl ReadingArguments {
+    /// Opens a recording, a file or a folder.
+    pub fn open(&self, path: &Path) -> anyhow::Result<TraceSet> {
+        let mut set = self.table.open(path)?;
+        self.apply(&mut set)?;
+        Ok(set)
+    }
+
+    /// Opens the single shot that is looked at.
+    pub fn open_single(&self, path: &Path) -> anyhow::Result<(TraceSet, Shot)> {
+        let number = self.selection.single();
+        let mut set = self.table.open_shot(path, number)?;
+        self.bench.apply(&mut set)?;
+        self.selection.keep_channels(&mut set)?;
+        let shot = shot(&set, &path.display().to_string(), number)?.clone();
+        Ok((set, shot))
+    }
+
+    /// Notes in `set` what is known of the bench, and leaves out what is not meant.
+    pub fn apply(&self, set: &mut TraceSet) -> anyhow::Result<()> {
+        self.bench.apply(set)?;
+        self.selection.apply(set)
+    }
+
+    /// Whether the file is looked at as it is.
+    #[cfg(feature = "tui")]
+    pub fn is_as_it_is(&self) -> bool {
+        self.bench.is_empty() && self.selection.is_all()
+    }
 }
 
 /// Refuses a channel that no shot has.
@@ -138,15 +205,31 @@ pub struct BenchArguments {
 impl BenchArguments {
     /// Whether the user says nothing.
     #[cfg(feature = "tui")]
-    pub fn is_empty(&self) -> bool {
+    fn is_empty(&self) -> bool {
         self.scene.is_none()
             && self.map.is_empty()
             && self.sensor.is_empty()
             && self.distance.is_empty()
     }
 
+    /// What a single option says.
+    #[cfg(feature = "tui")]
+    fn single(option: BenchOption, value: &str) -> Result<Self, String> {
+        let mut said =
+            Self { scene: None, map: Vec::new(), sensor: Vec::new(), distance: Vec::new() };
+        match option {
+            BenchOption::Scene => said.scene = Some(value.to_owned()),
+            BenchOption::Map => {
+                said.map = value.split(',').map(assignment).collect::<Result<_, _>>()?;
+            }
+            BenchOption::Sensor => said.sensor.push(wired(value)?),
+            BenchOption::Distance => said.distance.push(distance(value)?),
+        }
+        Ok(said)
+    }
+
     /// Notes in `set` what is known of the bench.
-    pub fn apply(&self, set: &mut TraceSet) -> anyhow::Result<()> {
+    fn apply(&self, set: &mut TraceSet) -> anyhow::Result<()> {
         let mut map = self.map.clone();
         if let Some(name) = &self.scene {
             map.extend(labels(set));
@@ -179,6 +262,13 @@ impl BenchArguments {
         }
         Ok(())
     }
+}
+
+/// Notes in `set` what one option says of the bench, for commands of the screen.
+#[cfg(feature = "tui")]
+pub fn note_option(set: &mut TraceSet, option: BenchOption, value: &str) -> Result<(), String> {
+    let said = BenchArguments::single(option, value)?;
+    said.apply(set).map_err(|error| format!("{error:#}"))
 }
 
 /// Channels with labels of a table's columns.

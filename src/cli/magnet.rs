@@ -1,12 +1,10 @@
 //! `hertzscope magnet`: how hard a magnet pulls the sphere, and where it pulls as hard as is wanted.
 
-use std::path::PathBuf;
-
 use anyhow::bail;
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::picture;
+use super::picture::PlotArguments;
 use crate::quantity::{Dimension, parse};
 use crate::report;
 use crate::report::magnet::{MagnetPage, MagnetPoint};
@@ -23,9 +21,9 @@ pub struct Arguments {
     name: String,
     /// Find where the magnet pulls this hard, e.g. 2.38N [default: the paper's 2.38 N]
     #[arg(long, value_name = "F", value_parser = force)]
-    force: Option<f64>,
+    preload: Option<f64>,
     /// Show what it does with the sphere's centre this far outside its face, e.g. 0.4mm
-    #[arg(long, value_name = "D", value_parser = distance, conflicts_with = "force", allow_hyphen_values = true)]
+    #[arg(long, value_name = "D", value_parser = distance, conflicts_with = "preload", allow_hyphen_values = true)]
     distance: Option<f64>,
     /// Temperature of the magnet, e.g. 40°C [default: the one its remanence is stated at]
     #[arg(long, value_name = "T", value_parser = temperature)]
@@ -33,9 +31,8 @@ pub struct Arguments {
     /// Print as JSON
     #[arg(long)]
     json: bool,
-    /// Draw into this file as well
-    #[arg(long, value_name = picture::PICTURE_ENDINGS, value_parser = picture::file)]
-    plot: Option<PathBuf>,
+    #[command(flatten)]
+    plot: PlotArguments,
 }
 
 fn force(text: &str) -> Result<f64, String> {
@@ -56,12 +53,13 @@ fn temperature(text: &str) -> Result<f64, String> {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    arguments.plot.check()?;
     let magnet = magnets::load(&arguments.name)?;
     let temperature = arguments.temperature.unwrap_or(magnet.stated_temperature());
     let (wanted, distances) = if let Some(distance) = arguments.distance {
         (None, vec![distance])
     } else {
-        let wanted = arguments.force.unwrap_or(PAPER_PRELOAD);
+        let wanted = arguments.preload.unwrap_or(PAPER_PRELOAD);
         (Some(wanted), magnet.distances(wanted, temperature))
     };
     let place = |distance: &f64| MagnetPoint::of(&magnet, *distance, temperature);
@@ -71,10 +69,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         bail!("found a distance of {distance} m, expected one within the table, {near} to {far} m");
     }
     let page = MagnetPage { magnet, temperature, wanted, places };
-    if let Some(file) = &arguments.plot {
-        let picture = report::chart(&page.curve(), &page.magnet.name, ("m", "N"));
-        picture::save(file, &picture)?;
-    }
+    arguments.plot.save(|| report::chart(&page.curve(), &page.magnet.name, ("m", "N")))?;
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&as_json(&page))?)
     } else {

@@ -18,13 +18,16 @@ mod effects;
 mod fit;
 mod force;
 mod gather;
+mod guide;
 mod hard_cases;
+mod help;
 mod info;
 mod input;
 mod list;
 mod magnet;
 mod man;
 mod output;
+mod overwrite;
 mod paper;
 mod picture;
 mod plain_table;
@@ -35,6 +38,7 @@ mod scenes;
 mod sensor;
 #[cfg(feature = "server")]
 mod serve;
+mod show;
 mod signal;
 mod spectrogram;
 mod spectrum;
@@ -45,7 +49,7 @@ mod view;
 
 use std::process::ExitCode;
 
-use clap::{CommandFactory as _, Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 use crate::chain::simd::InstructionSet;
 use output::{AnswerIsNo, is_broken_pipe, is_coloured, print, print_as_it_is, say};
@@ -57,7 +61,7 @@ const EXIT_FAILURE: u8 = 2;
 
 /// Digital twin of a granular-chain lab bench: beads with Hertz contacts, piezo sensors, a virtual Tektronix TDS 2014.
 #[derive(Debug, Parser)]
-#[command(name = "hertzscope", version, max_term_width = 100)]
+#[command(name = "hertzscope", version, max_term_width = 100, disable_help_subcommand = true)]
 pub struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -73,6 +77,7 @@ enum Command {
     Effects(effects::Arguments),
     Scenes(scenes::Arguments),
     List(list::Arguments),
+    Show(show::Arguments),
     Spectrum(spectrum::Arguments),
     Spectrogram(spectrogram::Arguments),
     Bands(bands::Arguments),
@@ -95,6 +100,7 @@ enum Command {
     Doctor(doctor::Arguments),
     Completions(completions::Arguments),
     Man(man::Arguments),
+    Help(help::Arguments),
 }
 
 /// Makes a file that outgrows `ulimit -f` an error of that file: the signal that comes with it would end the program without a word.
@@ -107,9 +113,18 @@ fn survive_file_limit() {
     }
 }
 
+/// The command line with all that its help says.
+fn command_line() -> clap::Command {
+    guide::guided(Arguments::command())
+}
+
 /// Runs the program on the process's own arguments.
 pub fn main() -> ExitCode {
-    let command = Arguments::parse().command;
+    let matches = command_line().get_matches();
+    let command = match Arguments::from_arg_matches(&matches) {
+        Ok(arguments) => arguments.command,
+        Err(error) => error.exit(),
+    };
     survive_file_limit();
     if let Err(reason) = InstructionSet::chosen() {
         say(&format!("error: {reason}"));
@@ -127,6 +142,7 @@ pub fn main() -> ExitCode {
         Command::Effects(arguments) => effects::run(&arguments),
         Command::Scenes(arguments) => scenes::run(&arguments),
         Command::List(arguments) => list::run(&arguments),
+        Command::Show(arguments) => show::run(&arguments),
         Command::Spectrum(arguments) => spectrum::run(&arguments),
         Command::Spectrogram(arguments) => spectrogram::run(&arguments),
         Command::Bands(arguments) => bands::run(&arguments),
@@ -147,8 +163,9 @@ pub fn main() -> ExitCode {
         #[cfg(feature = "tui")]
         Command::View(arguments) => view::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
-        Command::Completions(arguments) => completions::run(&arguments, self::Arguments::command()),
-        Command::Man(arguments) => man::run(&arguments, self::Arguments::command()),
+        Command::Completions(arguments) => completions::run(&arguments, command_line()),
+        Command::Help(arguments) => help::run(&arguments, command_line()),
+        Command::Man(arguments) => man::run(&arguments, command_line()),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -158,6 +175,32 @@ pub fn main() -> ExitCode {
         Err(error) => {
             say(&format!("error: {error:#}"));
             ExitCode::from(EXIT_FAILURE)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every command is in a group, its example is one that it takes, and its page is there.
+    #[test]
+    fn every_command_is_guided() {
+        let command = command_line();
+        let examples = guide::examples();
+        for found in command.get_subcommands() {
+            assert!(examples.iter().any(|g| g.0 == found.get_name()), "{}", found.get_name());
+        }
+        let docs = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
+        for (name, example, page) in examples {
+            if command.find_subcommand(name).is_none() {
+                continue;
+            }
+            let words = example.split(' ').take_while(|word| *word != ">");
+            let taken =
+                command.clone().try_get_matches_from(["hertzscope"].into_iter().chain(words));
+            assert!(taken.is_ok(), "{example}: {:?}", taken.err());
+            assert!(docs.join(page).is_file(), "{page}");
         }
     }
 }

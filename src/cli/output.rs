@@ -3,6 +3,7 @@
 use std::io::{ErrorKind, IsTerminal as _, Write as _};
 
 use crate::quantity::printable;
+use crate::report::text::folded;
 
 /// Error for an answer of no that has been printed already.
 #[derive(Debug, thiserror::Error)]
@@ -14,16 +15,57 @@ pub(super) fn is_broken_pipe(error: &anyhow::Error) -> bool {
     kind == Some(ErrorKind::BrokenPipe)
 }
 
+/// Columns of a terminal that does not say how many it has.
+const USUAL_WIDTH: usize = 80;
+
 /// Prints `text` and a line end on standard output. What comes from files and from other programs cannot command the terminal: control
-/// characters are written as `\u001b`.
+/// characters are written as `\u001b`. On a terminal, long notes are wrapped, and marked with colour.
 pub(super) fn print(text: &str) -> anyhow::Result<()> {
-    print_as_it_is(&printable(text))
+    let text = printable(text);
+    if !std::io::stdout().is_terminal() {
+        return print_as_it_is(&text);
+    }
+    let folded = folded(&text, terminal_width());
+    print_as_it_is(&if is_coloured() { tinted(&folded) } else { folded })
+}
+
+fn terminal_width() -> usize {
+    #[cfg(feature = "tui")]
+    if let Ok((columns, _)) = ratatui::crossterm::terminal::size() {
+        return usize::from(columns);
+    }
+    std::env::var("COLUMNS").ok().and_then(|text| text.parse().ok()).unwrap_or(USUAL_WIDTH)
+}
+
+/// What a line begins with that is marked, and how.
+const TINTS: [(&str, &str); 5] = [
+    ("error:", "1;31"),
+    ("warning:", "1;33"),
+    ("note:", "33"),
+    ("  note ", "33"),
+    ("  beyond ", "1;31"),
+];
+
+fn tinted(text: &str) -> String {
+    let line = |line: &str| {
+        let tint = TINTS.iter().find(|(word, _)| line.starts_with(word));
+        tint.map_or(line.to_owned(), |(word, colour)| {
+            format!("\u{1b}[{colour}m{word}\u{1b}[0m{}", &line[word.len()..])
+        })
+    };
+    text.split('\n').map(line).collect::<Vec<_>>().join("\n")
 }
 
 /// Says something beside the answer, on standard error, in one or more lines.
 pub(super) fn say(text: &str) {
+    let is_plain = !std::io::stderr().is_terminal() || wants_no_colour();
+    let text = printable(text);
     // Where nobody listens, nothing is to be done about it.
-    let _ = writeln!(std::io::stderr(), "{}", printable(text));
+    let _ = if is_plain {
+        writeln!(std::io::stderr(), "{text}")
+    } else {
+        writeln!(std::io::stderr(), "{}", tinted(&folded(&text, terminal_width())))
+    };
 }
 
 /// Prints text of the program's own, colours included.
@@ -37,6 +79,9 @@ pub(super) fn print_as_it_is(text: &str) -> anyhow::Result<()> {
 
 /// Whether output may be coloured: it goes to a terminal, and the environment variable `NO_COLOR` is not set.
 pub(super) fn is_coloured() -> bool {
-    let is_plain = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
-    !is_plain && std::io::stdout().is_terminal()
+    !wants_no_colour() && std::io::stdout().is_terminal()
+}
+
+fn wants_no_colour() -> bool {
+    std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty())
 }

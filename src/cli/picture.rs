@@ -3,11 +3,38 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
+use clap::Args;
 
+use super::overwrite::OverwriteArguments;
 use crate::files;
 
 /// Endings that `--plot` takes.
 pub const PICTURE_ENDINGS: &str = "FILE.svg|FILE.png";
+
+/// A picture that is drawn beside the answer.
+#[derive(Debug, Args)]
+pub struct PlotArguments {
+    /// Draw into this file as well
+    #[arg(long, value_name = PICTURE_ENDINGS, value_parser = file)]
+    plot: Option<PathBuf>,
+    #[command(flatten)]
+    pub overwrite: OverwriteArguments,
+}
+
+impl PlotArguments {
+    /// Refuses a picture that exists; called before the work.
+    pub fn check(&self) -> anyhow::Result<()> {
+        self.plot.iter().try_for_each(|file| self.overwrite.check(file))
+    }
+
+    /// Draws the picture, if one is wanted.
+    pub fn save(&self, svg: impl FnOnce() -> String) -> anyhow::Result<()> {
+        match &self.plot {
+            Some(file) => self::save(file, &svg()),
+            None => Ok(()),
+        }
+    }
+}
 
 /// The name of a picture's file.
 pub fn file(text: &str) -> Result<PathBuf, String> {
@@ -39,10 +66,11 @@ fn ending(file: &Path) -> &str {
 /// Writes the picture `svg`.
 pub fn save(file: &Path, svg: &str) -> anyhow::Result<()> {
     let shown = || file.display().to_string();
-    #[cfg(feature = "png")]
-    if ending(file) == "png" {
-        let picture = crate::report::png(svg).with_context(shown)?;
-        return files::write(file, picture).with_context(shown);
+    if ending(file) != "png" {
+        return files::write(file, svg).with_context(shown);
     }
-    files::write(file, svg).with_context(shown)
+    #[cfg(feature = "png")]
+    return files::write(file, crate::report::png(svg).with_context(shown)?).with_context(shown);
+    #[cfg(not(feature = "png"))]
+    anyhow::bail!("{}: expected .svg: built without the feature png", file.display())
 }

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use anyhow::bail;
 
+use super::input::no_capture;
 use crate::measurement::force::forces;
 use crate::quantity::engineering;
 use crate::recording::{Shot, TraceSet, TrueSignal};
@@ -18,7 +19,7 @@ pub struct TableContent {
     /// True forces at the sensors, of a simulation, interpolated to the samples' times.
     pub truth: bool,
     /// Forces in newtons in the place of volts, by the sensors' calibrations.
-    pub force: bool,
+    pub newtons: bool,
 }
 
 /// One column.
@@ -31,7 +32,7 @@ struct TableColumn {
 pub fn plain_table(set: &TraceSet, content: TableContent) -> anyhow::Result<String> {
     let shots: Vec<&Shot> = set.shots.iter().filter(|shot| !shot.captures.is_empty()).collect();
     let Some(first) = shots.first() else {
-        bail!("found no capture, expected at least one: the scope was not triggered");
+        return Err(no_capture(&set.problems));
     };
     let names = columns(set, first, content)?.iter().map(|c| c.name.clone()).collect::<Vec<_>>();
     let several = shots.len() > 1;
@@ -81,7 +82,7 @@ fn printed(value: f64) -> f64 {
 
 fn columns(set: &TraceSet, shot: &Shot, content: TableContent) -> anyhow::Result<Vec<TableColumn>> {
     let mut columns = Vec::new();
-    if content.force {
+    if content.newtons {
         for found in forces(set, shot) {
             let found = found?;
             columns.push(TableColumn { name: format!("{}_N", found.channel), trace: found.force });

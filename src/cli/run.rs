@@ -9,15 +9,24 @@ use serde_json::json;
 use super::accuracy::AccuracyArguments;
 use super::budget::DrawArguments;
 use super::by_hand::{ByHand, step, tolerance};
+use super::overwrite::OverwriteArguments;
 use super::picture;
 use super::progress::JobProgress;
 use crate::experiment::accuracy::run_to_accuracy;
 use crate::experiment::auto_effects::resolve_auto_effects;
 use crate::experiment::by_hand::{advice, edge, run_by_hand};
+use crate::experiment::outcome::Summary;
 use crate::experiment::{Integration, RunError, facts, first_attempt};
+use crate::measurement::arrivals::{Survey, survey};
+use crate::measurement::statistics::statistics;
+use crate::recording::TraceSet;
 use crate::recording::mcap::RecordingWriter;
 use crate::report;
 use crate::scene::Scene;
+use crate::studies::uncertainty::UncertainPrediction;
+
+/// Most shots of a run.
+const MAX_SHOTS: i64 = 100_000;
 
 /// Simulate a scene: write the recording its oscilloscope makes, print what happened
 #[derive(Debug, Args)]
@@ -43,12 +52,17 @@ pub struct Arguments {
     /// Seed of noise and sample clock [default: the scene's]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
+    /// Strike so many times, noise and striker drawn anew: all shots go into the one recording
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=MAX_SHOTS), conflicts_with = "bands")]
+    shots: u32,
     /// Also predict with the scene's `[uncertainty]`: intervals of peaks, arrivals and speeds; with --json bands of the traces, too
     #[arg(long)]
     bands: bool,
     /// With --bands: draw each channel's 95 % band into FILE-CH1.svg, ...
     #[arg(long, value_name = picture::PICTURE_ENDINGS, value_parser = picture::file, requires = "bands")]
     plot: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
     #[command(flatten)]
     draws: DrawArguments,
     /// Print the summary as JSON
@@ -75,6 +89,9 @@ fn integration(
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut scene = Scene::load(&arguments.scene)?;
     scene.seed = arguments.seed.unwrap_or(scene.seed);
+    for file in pictures(arguments, &scene) {
+        arguments.overwrite.check(&file)?;
+    }
     let (integration, reason) = integration(arguments, &scene)?;
     // Before the recording tells what it is of.
     let scene = resolve_auto_effects(&scene, integration);
@@ -89,17 +106,29 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         RecordingWriter::create_numbered(&file, &known, &attachments)?
     };
     let mut progress = JobProgress::new(&scene.name, arguments.quiet);
-    let mut report = |share| progress.at(share);
-    let outcome = match integration {
-        Integration::Accuracy(accuracy) => run_to_accuracy(&scene, accuracy, 1, &mut report),
-        Integration::Method(method) | Integration::Attempt { method, .. } => {
-            run_by_hand(&scene, method, 1, &mut report)
+    let set =
+        TraceSet { attachments: attachments.to_vec(), metadata: known, ..TraceSet::default() };
+    let (mut summaries, mut surveys) = (Vec::new(), Vec::new());
+    for number in 1..=arguments.shots {
+        let before = f64::from(number - 1);
+        let mut report = |share| progress.at((before + share) / f64::from(arguments.shots));
+        let outcome = match integration {
+            Integration::Accuracy(accuracy) => {
+                run_to_accuracy(&scene, accuracy, number, &mut report)
+            }
+            Integration::Method(method) | Integration::Attempt { method, .. } => {
+                run_by_hand(&scene, method, number, &mut report)
+            }
+        };
+        let mut outcome = outcome.map_err(|error| advised(error, &scene, integration))?;
+        outcome.summary.accuracy_reason.clone_from(&reason);
+        writer.add(&outcome.shot, &facts::shot_notes(&scene, &outcome))?;
+        if arguments.shots > 1 {
+            surveys.push(survey(&set, &outcome.shot));
         }
-    };
+        summaries.push(outcome.summary);
+    }
     progress.done();
-    let mut outcome = outcome.map_err(|error| advised(error, &scene, integration))?;
-    outcome.summary.accuracy_reason = reason;
-    writer.add(&outcome.shot, &facts::shot_notes(&scene, &outcome))?;
     let file = writer.finish()?;
     let predicted = if arguments.bands {
         Some(arguments.draws.predict(&arguments.scene, true, arguments.quiet)?)
@@ -113,11 +142,26 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             picture::save(&named_for(file, &band.channel), &picture)?;
         }
     }
-    let recording = file.display().to_string();
+    // As it was typed.
+    let recording = arguments.output.as_ref().unwrap_or(&file).display().to_string();
+    tell(arguments, &summaries, &surveys, predicted.as_ref(), &recording)
+}
+
+/// Prints what happened.
+fn tell(
+    arguments: &Arguments,
+    summaries: &[Summary],
+    surveys: &[Survey],
+    predicted: Option<&UncertainPrediction>,
+    recording: &str,
+) -> anyhow::Result<()> {
     if arguments.json {
-        let mut summary = serde_json::to_value(&outcome.summary)?;
+        let mut summary = match summaries {
+            [summary] => serde_json::to_value(summary)?,
+            several => json!({ "shots": several, "statistics": statistics(surveys) }),
+        };
         summary["recording"] = json!(recording);
-        if let Some(predicted) = &predicted {
+        if let Some(predicted) = predicted {
             summary["uncertainty"] = serde_json::to_value(predicted)?;
         }
         super::print(&serde_json::to_string_pretty(&summary)?)?;
@@ -125,13 +169,24 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         // Scripts read standard output; the name may be one that the program chose.
         eprintln!("recording   {recording}");
     } else {
-        super::print(&report::summary(&outcome.summary))?;
-        if let Some(predicted) = &predicted {
+        super::print(&summaries.first().map(report::summary).unwrap_or_default())?;
+        if arguments.shots > 1 {
+            super::print(&format!("\nabove shot 1 of {}\n", arguments.shots))?;
+            super::print(&format!("{}\n", report::statistics(&statistics(surveys))))?;
+        }
+        if let Some(predicted) = predicted {
             super::print(&format!("\n{}", report::prediction_intervals(predicted)))?;
         }
         super::print(&format!("  recording   {recording}"))?;
     }
     Ok(())
+}
+
+/// The pictures of `--plot`, one for each channel.
+fn pictures(arguments: &Arguments, scene: &Scene) -> Vec<PathBuf> {
+    let channels = 1..=scene.scope.model.channels;
+    let named = |file: &PathBuf| channels.map(|n| named_for(file, &format!("CH{n}"))).collect();
+    arguments.plot.as_ref().map(named).unwrap_or_default()
 }
 
 /// `FILE-CH1.svg` for `FILE.svg`.

@@ -73,7 +73,12 @@ const MAX_STRIKE_INTERVAL: Duration = Duration::from_secs(365 * 24 * 3600);
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut scene = Scene::load(&arguments.scene)?;
     scene.seed = arguments.seed.unwrap_or(scene.seed);
-    let raw = TcpListener::bind(&arguments.listen).with_context(|| arguments.listen.clone())?;
+    let raw = TcpListener::bind(&arguments.listen).with_context(|| {
+        format!(
+            "cannot listen on {} (this computer's own address is 127.0.0.1:5025)",
+            arguments.listen
+        )
+    })?;
     let address = raw.local_addr()?;
     let hislip = match arguments.hislip {
         Some(port) => {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::bail;
 use clap::{Args, ValueEnum};
 
-use super::input::{BenchArguments, TableArguments};
+use super::input::{ReadingArguments, no_capture};
 use crate::analysis::gate::Gate;
 use crate::analysis::spectrum::Window;
 use crate::measurement::metadata;
@@ -48,18 +48,10 @@ pub struct SignalArguments {
     /// A recording (.mcap), a TDS2000 file (.csv), or a folder of them
     file: PathBuf,
     #[command(flatten)]
-    table: TableArguments,
-    #[command(flatten)]
-    bench: BenchArguments,
-    /// Channel to transform, e.g. CH2 [default: the first]
-    #[arg(long, value_name = "CH", conflicts_with = "truth")]
-    channel: Option<String>,
+    reading: ReadingArguments,
     /// A simulated signal, less its static part: a sensor's name, contact/3, bead/7
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", conflicts_with = "channel")]
     truth: Option<String>,
-    /// Shot to look at
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub shot: u32,
     /// First time to take, e.g. 200us: after the trigger, or with --truth after the striker's first contact
     #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
     from: Option<f64>,
@@ -71,24 +63,26 @@ pub struct SignalArguments {
 impl SignalArguments {
     /// Reads the recording and finds the signal in it.
     pub fn read(&self) -> anyhow::Result<(TraceSet, SelectedSignal)> {
-        let mut set = self.table.open_shot(&self.file, self.shot)?;
-        self.bench.apply(&mut set)?;
-        let Some(shot) = set.shots.iter().find(|shot| shot.number == self.shot) else {
-            bail!("found {} shots, expected one with number {}", set.shots.len(), self.shot);
+        let (set, shot) = self.reading.open_single(&self.file)?;
+        let found = match &self.truth {
+            Some(name) => truth(&set, &shot, name)?,
+            None => capture(&set, &shot)?,
         };
-        let found = signal(&set, shot, self.channel.as_deref(), self.truth.as_deref())?;
         Ok((set, found))
+    }
+
+    /// Number of the shot.
+    pub fn shot(&self) -> u32 {
+        self.reading.selection.single()
     }
 
     /// How many samples of the signal are clipped, where any are.
     pub fn clipped(&self, set: &TraceSet) -> Option<String> {
-        let shot = set.shots.iter().find(|shot| shot.number == self.shot)?;
-        let wanted =
-            |name: &str| self.channel.as_ref().is_none_or(|c| name.eq_ignore_ascii_case(c));
-        let mut captures = shot.captures.iter().map(|capture| &capture.waveform);
-        let waveform = captures
-            .find(|waveform| wanted(&waveform.source.to_string()))
-            .filter(|waveform| self.truth.is_none() && waveform.clipped() > 0)?;
+        let shot = set.shots.iter().find(|shot| shot.number == self.shot())?;
+        let waveform = &shot.captures.first()?.waveform;
+        if self.truth.is_some() || waveform.clipped() == 0 {
+            return None;
+        }
         let (source, clipped) = (waveform.source, waveform.clipped());
         Some(format!(
             "{source}: {clipped} samples are clipped at the converter's ends: the spectrum holds the clipping's own harmonics"
@@ -109,33 +103,12 @@ impl SignalArguments {
 /// A signal, where it was felt, and what is subtracted from it.
 pub type SelectedSignal = (Trace, Option<Site>, f64);
 
-/// The truth called `named`, or the capture of `channel`, the first without one.
-pub fn signal(
-    set: &TraceSet,
-    shot: &Shot,
-    channel: Option<&str>,
-    named: Option<&str>,
-) -> anyhow::Result<SelectedSignal> {
-    match named {
-        Some(name) => truth(set, shot, name),
-        None => capture(set, shot, channel),
-    }
-}
-
-fn capture(set: &TraceSet, shot: &Shot, channel: Option<&str>) -> anyhow::Result<SelectedSignal> {
-    let name_of = |capture: &crate::recording::Capture| capture.waveform.source.to_string();
-    let wanted = |c: &&crate::recording::Capture| {
-        channel.is_none_or(|channel| name_of(c).eq_ignore_ascii_case(channel))
+/// The first channel that is meant.
+fn capture(set: &TraceSet, shot: &Shot) -> anyhow::Result<SelectedSignal> {
+    let Some(capture) = shot.captures.first() else {
+        return Err(no_capture(&set.problems));
     };
-    let Some(capture) = shot.captures.iter().find(wanted) else {
-        let names: Vec<String> = shot.captures.iter().map(name_of).collect();
-        bail!(
-            "found no capture {}, expected one of: {}",
-            channel.unwrap_or("at all"),
-            names.join(", ")
-        );
-    };
-    let name = name_of(capture);
+    let name = capture.waveform.source.to_string();
     let Some(mut trace) = capture.trace() else {
         bail!("{name}: found a record over frequency, expected one over time");
     };

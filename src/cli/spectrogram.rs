@@ -1,11 +1,9 @@
 //! `hertzscope spectrogram`: how a signal's frequencies change with time.
 
-use std::path::PathBuf;
-
 use clap::Args;
 use serde_json::json;
 
-use super::picture;
+use super::picture::PlotArguments;
 use super::signal::{SignalArguments, WindowChoice, time};
 use crate::analysis::spectrum::{Analyser, SpectrumSettings};
 use crate::analysis::time_frequency::{Pieces, Spectrogram};
@@ -38,9 +36,8 @@ pub struct Arguments {
     /// Print as JSON, the whole map included
     #[arg(long)]
     json: bool,
-    /// Draw into this file as well
-    #[arg(long, value_name = picture::PICTURE_ENDINGS, value_parser = picture::file)]
-    plot: Option<PathBuf>,
+    #[command(flatten)]
+    plot: PlotArguments,
 }
 
 fn samples(time: Option<f64>, interval: f64, otherwise: usize) -> usize {
@@ -48,6 +45,7 @@ fn samples(time: Option<f64>, interval: f64, otherwise: usize) -> usize {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    arguments.plot.check()?;
     let (set, (trace, site, offset)) = arguments.signal.read()?;
     let gate = arguments.signal.gate();
     let length = gate.range(&trace).len();
@@ -60,15 +58,13 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         ..SpectrumSettings::default()
     };
     let map = Spectrogram::of(&mut Analyser::new(), &trace, &settings, Pieces { segment, hop })?;
-    let scene = metadata::scene_of(&set, arguments.signal.shot).and_then(Result::ok);
+    let scene = metadata::scene_of(&set, arguments.signal.shot()).and_then(Result::ok);
     let chain = site.zip(scene).and_then(|(site, scene)| metadata::cell(&scene, site));
     let highest =
         chain.map_or(SHOWN_SHARE * 0.5 / trace.interval, |chain| BAND_MARGIN * chain.cutoff());
     let title = arguments.signal.title(&trace);
     let page = SpectrogramPage { title, map, chain, highest };
-    if let Some(file) = &arguments.plot {
-        picture::save(file, &svg(&page))?;
-    }
+    arguments.plot.save(|| svg(&page))?;
     let clipped = arguments.signal.clipped(&set);
     if !arguments.json {
         let note = clipped.map(|note| format!("  note  {note}"));

@@ -1,11 +1,9 @@
 //! `hertzscope spectrum`: the frequencies in a recording's signal.
 
-use std::path::PathBuf;
-
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 
-use super::picture;
+use super::picture::PlotArguments;
 use super::signal::{SignalArguments, WindowChoice};
 use crate::analysis::spectrum::{Analyser, Convention, SpectrumSettings};
 use crate::measurement::metadata;
@@ -36,9 +34,8 @@ pub struct Arguments {
     /// Print as JSON, all bins included
     #[arg(long)]
     json: bool,
-    /// Draw into this file as well
-    #[arg(long, value_name = picture::PICTURE_ENDINGS, value_parser = picture::file)]
-    plot: Option<PathBuf>,
+    #[command(flatten)]
+    plot: PlotArguments,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -50,6 +47,7 @@ enum ConventionChoice {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    arguments.plot.check()?;
     let (set, (trace, site, offset)) = arguments.signal.read()?;
     let settings = SpectrumSettings {
         convention: match arguments.convention {
@@ -64,14 +62,13 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let spectrum = Analyser::new().spectrum(&trace, &settings)?;
     let mut peaks = spectrum.peaks(MIN_LISTED_SHARE);
     peaks.truncate(MAX_LISTED);
-    let (chain, mut notes) = chain(&set, arguments.signal.shot, site);
+    let (chain, mut notes) = chain(&set, arguments.signal.shot(), site);
     notes.extend(arguments.signal.clipped(&set));
     let title = arguments.signal.title(&trace);
     let page = SpectrumPage { title, spectrum, peaks, chain, offset, notes };
-    if let Some(file) = &arguments.plot {
-        let picture = report::chart(&page.curve(), &page.title, ("Hz", &page.spectrum.unit));
-        picture::save(file, &picture)?;
-    }
+    arguments
+        .plot
+        .save(|| report::chart(&page.curve(), &page.title, ("Hz", &page.spectrum.unit)))?;
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&as_json(&page))?)
     } else {

@@ -12,11 +12,13 @@ use clap::Args;
 
 use super::accuracy::accuracy;
 use super::gather::gathered;
+use super::overwrite::OverwriteArguments;
 use super::progress::JobProgress;
 use crate::chain::simd::InstructionSet;
 use crate::experiment::parallel::processors;
 use crate::report;
 use crate::sweep::SweepError;
+use crate::sweep::gather::GatheredLogs;
 use crate::sweep::log::{Scan, SweepLog, logs, scan};
 use crate::sweep::plan::SweepPlan;
 use crate::sweep::shard::Shard;
@@ -32,6 +34,8 @@ pub struct Arguments {
     /// Table to write when all runs are finished, .csv, .jsonl or .parquet; may be repeated [default: GRID.csv]
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
+    #[command(flatten)]
+    overwrite: OverwriteArguments,
     /// Folder of the logs, which keep every finished run [default: GRID.sweep]
     #[arg(long, value_name = "DIR")]
     folder: Option<PathBuf>,
@@ -66,6 +70,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     };
     tables.iter().try_for_each(|file| table::check(file))?;
     let plan = SweepPlan::load(&arguments.grid, arguments.accuracy)?;
+    if shard.is_whole() && arguments.output.is_empty() && !arguments.overwrite.is_forced() {
+        tables.iter().try_for_each(|file| table::check_own(file, plan.columns()))?;
+    }
     let folder = arguments.folder.clone();
     let folder = folder.unwrap_or_else(|| arguments.grid.with_extension("sweep"));
     std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
@@ -111,7 +118,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         gathered: None,
     };
     if shard.is_whole() {
-        summary.gathered = Some(gathered(&folder, &tables, arguments.quiet)?);
+        let logs = GatheredLogs::read(&folder)?;
+        summary.gathered = Some(gathered(&folder, logs, &tables, arguments.quiet)?);
     }
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&summary)?)?;

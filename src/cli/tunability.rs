@@ -1,6 +1,5 @@
 //! `hertzscope tunability`: band edges, speeds and what arrives, over preload, masses, modulus and striker.
 
-use std::path::PathBuf;
 use std::sync::Mutex;
 
 use anyhow::anyhow;
@@ -8,7 +7,7 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 use serde_json::{Value, json};
 
-use super::picture;
+use super::picture::PlotArguments;
 use super::progress::JobProgress;
 use crate::analysis::dispersion::DiatomicChain;
 use crate::quantity::{Dimension, parse};
@@ -37,9 +36,8 @@ pub struct Arguments {
     /// Print as JSON
     #[arg(long)]
     json: bool,
-    /// Draw the maps
-    #[arg(long, value_name = picture::PICTURE_ENDINGS, value_parser = picture::file)]
-    plot: Option<PathBuf>,
+    #[command(flatten)]
+    plot: PlotArguments,
     /// No progress bar
     #[arg(short, long)]
     quiet: bool,
@@ -54,6 +52,7 @@ fn span(text: &str) -> Result<f64, String> {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    arguments.plot.check()?;
     let scene = Scene::load(&arguments.scene)?;
     let named = |knob: &TuningParameter| {
         arguments.knob.is_empty() || arguments.knob.iter().any(|name| name == knob.name())
@@ -72,9 +71,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     progress.into_inner().map_err(|_| anyhow!("a thread has failed"))?.done();
     let found = found?;
     let title = format!("{}: {}", scene.name, scene.title);
-    if let Some(file) = &arguments.plot {
-        picture::save(file, &report::tunability_svg(&title, &found))?;
-    }
+    arguments.plot.save(|| report::tunability_svg(&title, &found))?;
     if arguments.json {
         let tunings: Vec<Value> = found.iter().map(as_json).collect();
         super::print(&serde_json::to_string_pretty(

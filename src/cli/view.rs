@@ -7,7 +7,7 @@ use std::time::Duration;
 use anyhow::bail;
 use clap::Args;
 
-use super::input::{BenchArguments, Selection, TableArguments};
+use super::input::{ReadingArguments, note_option};
 use crate::recording::format::Format;
 use crate::recording::mcap::indexed_recording::IndexedRecording;
 use crate::scene::Scene;
@@ -29,11 +29,7 @@ pub struct Arguments {
     #[arg(long)]
     follow: bool,
     #[command(flatten)]
-    table: TableArguments,
-    #[command(flatten)]
-    bench: BenchArguments,
-    #[command(flatten)]
-    selection: Selection,
+    reading: ReadingArguments,
     /// Hold what is shown against this recording, folder or scene
     #[arg(long, value_name = "WHAT")]
     against: Option<String>,
@@ -47,7 +43,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         terminal()?;
         let scope = ServedConnection::connect(address).map_err(anyhow::Error::msg)?;
         let subject = ViewSource::Served(Box::new(scope));
-        return Ok(tui::run(subject, address.to_owned(), arguments.against.clone())?);
+        return Ok(tui::run(subject, address.to_owned(), arguments.against.clone(), note_option)?);
     }
     let path = Path::new(&arguments.what);
     if arguments.follow && !path.exists() && path.extension().is_some_and(|e| e == "mcap") {
@@ -57,7 +53,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.follow && format != Some(Format::Mcap) {
         bail!("{}: found --follow, expected it with an .mcap recording", arguments.what);
     }
-    let as_is = arguments.bench.is_empty() && arguments.selection.is_all();
+    let as_is = arguments.reading.is_as_it_is();
     let subject = match format {
         Some(Format::Mcap) if as_is => {
             ViewSource::IndexedRecording(Box::new(IndexedRecording::open(path)?), arguments.follow)
@@ -68,12 +64,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
                 arguments.what
             )
         }
-        Some(_) => {
-            let mut set = arguments.table.open(path)?;
-            arguments.bench.apply(&mut set)?;
-            arguments.selection.apply(&mut set)?;
-            ViewSource::Set(Box::new(set))
-        }
+        Some(_) => ViewSource::Set(Box::new(arguments.reading.open(path)?)),
         None => bench(&arguments.what)?,
     };
     terminal()?;
@@ -83,7 +74,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Some(stem) if path.exists() => stem.to_string_lossy().into_owned(),
         _ => arguments.what.clone(),
     };
-    tui::run(subject, name, arguments.against.clone())?;
+    tui::run(subject, name, arguments.against.clone(), note_option)?;
     Ok(())
 }
 

@@ -3,12 +3,16 @@
 use super::bench::Bench;
 use crate::recording::{Capture, InstrumentIdentity, Origin, Shot, TrueSignal};
 use crate::scene::{Scene, Site, input_load};
-use crate::scope::acquire::{TriggerPosition, before_trigger, digitise, find_trigger};
+use crate::scope::acquire::{
+    TriggerPosition, before_trigger, digitise, find_trigger, fold_average,
+};
 use crate::scope::front_end::{condition, noise_stream};
 use crate::scope::{ChannelSetup, Source, TriggerSource};
 use crate::sensor::Load;
 use crate::trace::Trace;
 
+/// The further impacts of an average draw their noise as shots whose number begins so many bits further up.
+const AVERAGED_SHOT_BITS: u32 = 20;
 /// Most samples of a trace of the truth.
 const MOST_OF_TRUTH: usize = 50_000;
 
@@ -90,6 +94,7 @@ pub fn record(
     number: u32,
 ) -> Shot {
     let setup = &scene.scope;
+    let depth = setup.acquisition.depth();
     let instrument = InstrumentIdentity {
         model: setup.model.name.replace(' ', ""),
         serial: setup.model.serial.clone(),
@@ -103,11 +108,17 @@ pub fn record(
             notes: Vec::new(),
         };
     let channels = (1..).zip(setup.channels.iter().zip(&signals));
-    let captures = found.map_or_else(Vec::new, |found| {
+    let mut captures: Vec<Capture> = found.map_or_else(Vec::new, |found| {
         channels
             .filter_map(|(n, (c, s))| Some(capture(n, c.as_ref()?, s.as_ref()?, found)))
             .collect()
     });
+    if depth > 1 {
+        average(scene, bench, &mut captures, number);
+        for capture in &mut captures {
+            capture.notes.push(format!("average of {depth} impacts"));
+        }
+    }
     let trigger_time = found.map(|found| bench.grid().time(found.index));
     let timestamp_ns = (trigger_time.unwrap_or(0.0).max(0.0) * 1e9).round() as u64;
     Shot {
@@ -117,6 +128,35 @@ pub fn record(
         captures,
         truth: truth(scene, bench),
         trigger_time,
+    }
+}
+
+/// Averages the records with those of as many impacts as the scope is set to. The motion is the same in each, the noise is not.
+fn average(scene: &Scene, bench: &Bench<'_>, captures: &mut [Capture], number: u32) {
+    let setup = &scene.scope;
+    let depth = setup.acquisition.depth();
+    let mut means: Vec<Vec<f64>> = vec![Vec::new(); captures.len()];
+    for (capture, mean) in captures.iter_mut().zip(&mut means) {
+        fold_average(mean, &mut capture.waveform, 1, depth);
+    }
+    let mut taken = 1;
+    for more in 1..depth {
+        let signals = signals(scene, bench, number.wrapping_add(more << AVERAGED_SHOT_BITS));
+        let Some(found) = trigger(scene, bench, &signals) else { continue };
+        taken += 1;
+        for (capture, mean) in captures.iter_mut().zip(&mut means) {
+            let Source::Channel(channel) = capture.waveform.source else { continue };
+            let place = usize::from(channel) - 1;
+            let known = setup.channels.get(place).and_then(Option::as_ref);
+            let Some((knobs, signal)) = known.zip(signals.get(place).and_then(Option::as_ref))
+            else {
+                continue;
+            };
+            let source = capture.waveform.source;
+            let mut next = digitise(setup, source, knobs, signal, found.index);
+            fold_average(mean, &mut next, taken, depth);
+            capture.waveform.codes = next.codes;
+        }
     }
 }
 

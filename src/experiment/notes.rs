@@ -87,7 +87,7 @@ fn not_triggered(scene: &Scene, found: Option<TriggerPosition>) -> Option<Note> 
     if found.is_some_and(|found| found.crossed) {
         return None;
     }
-    let interval = scene.scope.model.signal_interval(scene.scope.time_base);
+    let interval = scene.scope.signal_interval();
     let passed = format!(
         "no sample crossed the trigger's level (they are {} apart; shorter pulses may be missed)",
         engineering(interval, "s", 3)

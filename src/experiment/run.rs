@@ -60,7 +60,7 @@ pub fn run(
 /// The scope's sample times on the bench's clock, set as in the scene.
 pub(crate) fn sample_grid(scene: &Scene, shot: u32) -> Grid {
     let setup = &scene.scope;
-    let interval = setup.model.signal_interval(setup.time_base);
+    let interval = setup.signal_interval();
     let (start, _) = setup.record_span();
     free_grid(scene, shot, interval, (-start).max(0.0))
 }

@@ -1,4 +1,5 @@
-//! A folder that gets its name when it is complete.
+//! Folders written under a temporary name and moved into place when they are complete: every command that writes several files
+//! together.
 
 use std::fs::File;
 use std::io::{self, ErrorKind};
@@ -9,7 +10,8 @@ use super::part;
 use super::step::step;
 use super::whole::write;
 
-/// A folder that gets its name when it is complete; dropped before that, it leaves no trace.
+/// A folder that is written under a temporary name and moved into place when complete. If dropped earlier, the temporary folder is
+/// deleted.
 #[derive(Debug)]
 pub struct NewFolder {
     target: PathBuf,
@@ -19,12 +21,12 @@ pub struct NewFolder {
 }
 
 impl NewFolder {
-    /// Begins a folder whose files replace those of the same name in `target`, all at once. What else
-    /// lies in `target` stays. Where two folders cannot be exchanged (a mounted one, the working one, some systems), each file is replaced
-    /// by itself.
+    /// Starts a folder whose files will replace those of the same name in `target` in one step; other files in `target` are kept.
+    /// Where the two cannot be swapped (a mount point, the working directory, some operating systems), the files are replaced one at
+    /// a time.
     ///
     /// # Errors
-    /// [`ErrorKind::ResourceBusy`] where another process writes `target`; what the system says otherwise.
+    /// [`ErrorKind::ResourceBusy`] if another process is writing `target`; otherwise the operating system's error.
     pub fn replace(target: &Path) -> io::Result<Self> {
         let target = std::fs::canonicalize(target).unwrap_or_else(|_| target.to_owned());
         if std::fs::metadata(&target).is_ok_and(|found| !found.is_dir()) {
@@ -32,7 +34,7 @@ impl NewFolder {
         }
         let made = part::create(&target, |path| std::fs::create_dir(path));
         let (part, ()) = match made {
-            // The folder around may not be written to.
+            // The parent folder may be read-only: the temporary folder is made in the target.
             Err(error) if error.kind() == ErrorKind::PermissionDenied && target.is_dir() => {
                 part::create(&target.join("results"), |path| std::fs::create_dir(path))?
             }
@@ -51,10 +53,10 @@ impl NewFolder {
         self.part.join(name)
     }
 
-    /// Gives the folder its name.
+    /// Moves the folder to its final name.
     ///
     /// # Errors
-    /// The system's error; what was there before then is as it was.
+    /// The operating system's error. The old contents are unchanged then, unless files had to be replaced one at a time.
     pub fn complete(self) -> io::Result<()> {
         sync_folder(&self.part);
         if !self.target.exists() {
@@ -69,6 +71,7 @@ impl NewFolder {
                 Err(error) => return Err(error),
             }
         }
+        let files = files_in(&self.part, Path::new(""))?;
         // A process with this working directory would stay in the old folder.
         let inside = std::env::current_dir()
             .and_then(std::fs::canonicalize)
@@ -76,21 +79,22 @@ impl NewFolder {
         if !inside && !self.part.starts_with(&self.target) && self.exchange().is_ok() {
             return Ok(());
         }
-        for entry in std::fs::read_dir(&self.part)? {
-            let entry = entry?;
-            write(&self.target.join(entry.file_name()), std::fs::read(entry.path())?)?;
+        for file in files {
+            let place = self.target.join(&file);
+            std::fs::create_dir_all(folder_of(&place))?;
+            write(&place, std::fs::read(self.part.join(&file))?)?;
         }
         Ok(())
     }
 
-    /// Exchanges the names of the new folder and the old one, whose other files get a second name in the new one before.
+    /// Swaps the two folders after hard-linking the other files of the old one into the new one.
     #[cfg(any(target_os = "linux", target_os = "android", target_vendor = "apple"))]
     fn exchange(&self) -> io::Result<()> {
         use rustix::fs::{CWD, RenameFlags, renameat_with};
 
         link_others(&self.target, &self.part)?;
-        let rights = std::fs::metadata(&self.target)?.permissions();
-        std::fs::set_permissions(&self.part, rights)?;
+        let permissions = std::fs::metadata(&self.target)?.permissions();
+        std::fs::set_permissions(&self.part, permissions)?;
         sync_folder(&self.part);
         step();
         renameat_with(CWD, &self.part, CWD, &self.target, RenameFlags::EXCHANGE)?;
@@ -108,21 +112,41 @@ impl NewFolder {
 
 impl Drop for NewFolder {
     fn drop(&mut self) {
-        // The new one that failed, or the old one that was exchanged; all that is left of it has other names.
+        // After a failure this is the incomplete folder, after a swap the old one, whose kept files are hard-linked elsewhere.
         let _ = std::fs::remove_dir_all(&self.part);
     }
 }
 
-/// Gives everything in `from` that `to` does not hold a second name there.
+/// The files in `folder` and its subfolders, by their paths from it, each behind `before`.
+fn files_in(folder: &Path, before: &Path) -> io::Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder)? {
+        let entry = entry?;
+        let path = before.join(entry.file_name());
+        if entry.file_type()?.is_dir() {
+            files.extend(files_in(&entry.path(), &path)?);
+        } else {
+            files.push(path);
+        }
+    }
+    Ok(files)
+}
+
+/// Hard-links into `to` every file of `from` that it lacks, in subfolders too.
 #[cfg(any(target_os = "linux", target_os = "android", target_vendor = "apple"))]
 fn link_others(from: &Path, to: &Path) -> io::Result<()> {
     for entry in std::fs::read_dir(from)? {
         let entry = entry?;
         let (old, new) = (entry.path(), to.join(entry.file_name()));
-        if new.symlink_metadata().is_ok() {
-            continue;
-        }
         let kind = entry.file_type()?;
+        match new.symlink_metadata() {
+            Ok(found) if found.is_dir() && kind.is_dir() => {
+                link_others(&old, &new)?;
+                continue;
+            }
+            Ok(_) => continue,
+            Err(_) => {}
+        }
         step();
         if kind.is_dir() {
             std::fs::create_dir(&new)?;
@@ -135,10 +159,11 @@ fn link_others(from: &Path, to: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Makes the first folder `parent/name(N)`, from N = 0, that does not exist, complete with `files(N)`. Returns the names of these.
+/// Creates the first folder `parent/name(N)`, N = 0, 1, ..., that does not exist yet, with the contents `files(N)`. Returns the paths
+/// of the files.
 ///
 /// # Errors
-/// The system's error; there is no part of the folder then.
+/// The operating system's error; then nothing is left behind.
 pub fn write_numbered_folder(
     parent: &Path,
     name: impl Fn(u32) -> String,
@@ -167,5 +192,39 @@ pub fn write_numbered_folder(
             Err(_) if target.exists() => {}
             Err(error) => return Err(error),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::NewFolder;
+
+    #[test]
+    fn files_beside_the_new_ones_are_kept_in_subfolders_too() {
+        let around = tempfile::tempdir().expect("a folder");
+        let target = around.path().join("results");
+        let old = |name: &str| {
+            let path = target.join(name);
+            std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+            std::fs::write(path, "old").expect("a file");
+        };
+        for name in ["notes.txt", "report.txt", "raw/notes.txt", "raw/report.txt", "lab/notes.txt"]
+        {
+            old(name);
+        }
+        let new = NewFolder::replace(&target).expect("a folder");
+        std::fs::create_dir(new.join("raw")).expect("a folder");
+        for name in ["report.txt", "raw/report.txt"] {
+            std::fs::write(new.join(name), "new").expect("a file");
+        }
+        new.complete().expect("the folder in place");
+        let text = |name: &str| std::fs::read_to_string(target.join(name)).expect(name);
+        for name in ["notes.txt", "raw/notes.txt", "lab/notes.txt"] {
+            assert_eq!(text(name), "old", "{name}");
+        }
+        for name in ["report.txt", "raw/report.txt"] {
+            assert_eq!(text(name), "new", "{name}");
+        }
+        assert_eq!(std::fs::read_dir(around.path()).expect("a folder").count(), 1);
     }
 }

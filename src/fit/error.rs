@@ -1,4 +1,4 @@
-//! Why there is no fit.
+//! Errors of fitting a scene to traces.
 
 use super::options::MAX_DURATIONS;
 use crate::analysis::least_squares::LeastSquaresError;
@@ -6,28 +6,28 @@ use crate::measurement::compare::mapping::MappingError;
 use crate::quantity::engineering;
 use crate::scene::SceneError;
 
-/// Why there is no fit.
+/// Errors of fitting a scene's numbers to measured traces.
 #[derive(Debug, thiserror::Error)]
 pub enum FitError {
-    /// No channel belongs to the scene.
+    /// Errors of assigning channels to sensors.
     #[error(transparent)]
     Mapping(#[from] MappingError),
-    /// Channels that were not taken together.
+    /// Channels with other sample times.
     #[error(
-        "{channel}: found other sample times than in the first channel, expected records of one trigger"
+        "{channel}: its sample times differ from the first channel's: use channels of one shot"
     )]
     Times {
         /// The channel.
         channel: String,
     },
-    /// Nothing to fit.
-    #[error("{channel}: found no sample to fit, expected some")]
+    /// No samples in the fitted time range.
+    #[error("{channel}: no sample lies in the fitted time range: check --from and --to")]
     NoSamples {
         /// The channel.
         channel: String,
     },
     /// Records of another time scale than the scene's.
-    #[error("found samples {} apart for a scene of {}, expected 16 to 200000 of them in its duration", engineering(*interval, "s", 3), engineering(*duration, "s", 3))]
+    #[error("a sample interval of {} does not fit the scene's duration of {}, which must hold 16 to 200000 samples", engineering(*interval, "s", 3), engineering(*duration, "s", 3))]
     TimeScale {
         /// From one sample to the next (s).
         interval: f64,
@@ -35,21 +35,23 @@ pub enum FitError {
         duration: f64,
     },
     /// Records that go on long after the scene has ended.
-    #[error("found records of {}, expected at most {MAX_DURATIONS} durations of the scene, {}: --to leaves the rest out", engineering(*length, "s", 3), engineering(*duration, "s", 3))]
+    #[error("the record is {} long, more than {MAX_DURATIONS} times the scene's duration of {}: shorten it with --to", engineering(*length, "s", 3), engineering(*duration, "s", 3))]
     TooLong {
         /// Length of the records (s).
         length: f64,
         /// The scene's duration (s).
         duration: f64,
     },
-    /// A number to free that starts at zero.
-    #[error("found {path} to start at zero, expected another start: --free \"{path}=VALUE\"")]
+    /// A parameter that starts at zero: it is varied by shares of its start.
+    #[error(
+        "{path} is zero in the scene, and is varied by shares of its start: give one with --free \"{path}=VALUE\""
+    )]
     Zero {
         /// The number's path.
         path: String,
     },
     /// A number that is freed twice.
-    #[error("found {path} twice among the numbers to free, expected it once")]
+    #[error("{path} is freed twice: name it once")]
     Twice {
         /// The number's path.
         path: String,
@@ -60,9 +62,9 @@ pub enum FitError {
     /// No minimum from any start.
     #[error(transparent)]
     LeastSquares(#[from] LeastSquaresError),
-    /// Traces do not tell a parameter.
+    /// The traces do not determine a parameter.
     #[error(
-        "these traces do not determine {parameter}{with}: free less, or take records of this scene"
+        "these traces do not determine {parameter}{with}: free fewer parameters, or use a record of this scene"
     )]
     Undetermined {
         /// The parameter.
@@ -73,8 +75,8 @@ pub enum FitError {
 }
 
 impl FitError {
-    /// Whether measurement and scene could be fitted and the answer is that nothing is determined.
-    pub fn is_undetermined(&self) -> bool {
+    /// Whether the fit ran but gave no result: not converged, or a parameter undetermined.
+    pub fn has_no_result(&self) -> bool {
         use LeastSquaresError::NotConverged;
         matches!(self, Self::Undetermined { .. } | Self::LeastSquares(NotConverged { .. }))
     }

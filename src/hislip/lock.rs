@@ -1,7 +1,7 @@
-//! Who may act: one exclusive lock, and one shared lock that all with the same key hold together.
+//! HiSLIP locks: at most one exclusive lock, and one shared lock that all sessions with the same key hold together.
 //!
-//! An exclusive lock is granted where no other session has a lock of either kind, unless the one that asks shares the
-//! shared lock. Source: IVI-6.1, section 5 (locking).
+//! The exclusive lock is granted if no other session holds it, and the shared lock is free or held by the requesting session, too.
+//! The shared lock is granted if no other session holds the exclusive one, and the shared lock is free or has the same key. Source: IVI-6.1, section 5 (locking).
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,9 +11,9 @@ pub const MAX_KEY_LENGTH: usize = 256;
 /// The outcome of a lock request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Grant {
-    /// The lock is there.
+    /// The lock was granted.
     Granted,
-    /// Another session holds it.
+    /// Another session holds the lock, or one that excludes it.
     Busy,
     /// The session holds it already, or the key is invalid.
     Invalid,
@@ -39,7 +39,7 @@ pub struct Locks {
 }
 
 impl Locks {
-    /// Asks for the shared lock with this key, or for the exclusive one without.
+    /// Requests the shared lock with this key or, if the key is empty, the exclusive lock.
     pub fn request(&mut self, session: u16, key: &[u8]) -> Grant {
         let held_by_another = self.exclusive.is_some_and(|holder| holder != session);
         if key.is_empty() {
@@ -107,7 +107,7 @@ impl Locks {
 pub struct LockRequest {
     /// Key of the shared lock; empty for the exclusive one.
     pub key: Vec<u8>,
-    /// When it is given up, on the server's clock (s).
+    /// Time at which the request expires, on the server's clock (s).
     pub until: f64,
 }
 

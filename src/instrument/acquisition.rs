@@ -6,11 +6,13 @@
 //! in seconds on any clock that does not run backwards.
 
 use super::outcome::{Accepted, Finished, InFlight, TriggerInstant};
-use super::panel::{AcquireMode, Panel, StopAfter};
-use super::record::{Acquirer, Signals, fold_average, sample_interval};
+use super::panel::{Panel, StopAfter};
+use super::record::{Acquirer, Signals};
 use super::scan::Sweep;
 use super::timing::{after_trigger, before_trigger, samples, scans};
 use super::word::words;
+use crate::scope::AcquireMode;
+use crate::scope::acquire::fold_average;
 use crate::scope::{Setup, Source, TriggerMode, TriggerSource, Waveform};
 
 /// Automatic mode waits for a trigger at least this long (s).
@@ -265,7 +267,7 @@ impl Acquisition {
     /// Records of inputs at which nothing happens.
     fn quiet(&mut self, by: &Acquirer<'_>) -> Vec<Waveform> {
         self.shots = self.shots.wrapping_add(1);
-        let interval = sample_interval(by.panel, by.setup);
+        let interval = by.setup.signal_interval();
         let (start, end) = by.setup.record_span();
         let silence = vec![0.0; samples((end - start) / interval) + 1];
         let signals = Signals {

@@ -6,12 +6,11 @@
 use super::limits;
 use super::measure::measure;
 use super::panel::{
-    AcquireMode, Cursor, CursorFunction, DisplayFormat, EdgeCoupling, MeasurementType, StopAfter,
-    TriggerType, View,
+    Cursor, CursorFunction, DisplayFormat, MeasurementType, StopAfter, TriggerType, View,
 };
 use super::service::{AutosetSignal, AutosetView};
 use super::{Event, Instrument, Source};
-use crate::scope::{Coupling, TriggerMode, TriggerSource, Waveform};
+use crate::scope::{AcquireMode, Coupling, EdgeCoupling, TriggerMode, TriggerSource, Waveform};
 
 /// Share of the samples of a square wave that lie near its ends (1).
 const SQUARE_SHARE: f64 = 0.9;

@@ -136,7 +136,7 @@ impl Instrument {
 
     /// The sample grid on which signals are welcome with the present settings.
     pub fn sample_window(&self) -> SampleWindow {
-        SampleWindow::of(&self.panel, &self.current())
+        SampleWindow::of(&self.current())
     }
 
     /// Time has passed: it is `now` (s), on any clock that does not run backwards.

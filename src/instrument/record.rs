@@ -1,13 +1,12 @@
 //! From volts at the inputs to records: conditioning, trigger, digitiser, peak detection.
 
-use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 use super::outcome::TriggerInstant;
-use super::panel::{AcquireMode, EdgeCoupling, Panel, PulsePolarity, PulseWhen, TriggerType};
-use crate::scope::acquire::{TriggerPosition, digitise, find_trigger, level};
-use crate::scope::front_end::{condition, high_pass, low_pass, noise_stream};
-use crate::scope::{PointFormat, Setup, Source, TriggerMode, TriggerSource, Waveform};
+use super::panel::{Panel, PulsePolarity, PulseWhen, TriggerType};
+use crate::scope::acquire::{TriggerPosition, digitise, find_trigger};
+use crate::scope::front_end::{condition, noise_stream};
+use crate::scope::{Setup, Source, TriggerMode, TriggerSource, Waveform};
 
 /// Signals at the inputs: volts at the probes' tips on one sample grid.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -28,12 +27,8 @@ pub struct Signals {
 
 /// Widths that count as equal: this share of the one asked for, or the model's guard band (1).
 const EQUAL_SHARE: f64 = 0.05;
-/// Part of the shortest pulse between samples that still shows nearly all of its height (1).
-const SHARE_OF_PEAK: f64 = 0.25;
 /// Relative difference of sample intervals that rounding may cause (1).
 const INTERVAL_TOLERANCE: f64 = 1e-9;
-/// Most samples that peak detection looks at for one point.
-const MAX_SAMPLES_PER_POINT: f64 = 100.0;
 
 /// One acquisition: settings and the seed of the noise.
 pub struct Acquirer<'a> {
@@ -45,23 +40,12 @@ pub struct Acquirer<'a> {
     pub seed: u64,
 }
 
-/// Time between samples of the signal: close enough for circuits and trigger, or in peak detection close enough to keep the shortest
-/// pulse, as far as memory allows (s).
-pub fn sample_interval(panel: &Panel, setup: &Setup) -> f64 {
-    let slow = setup.model.sample_interval(setup.time_base);
-    if panel.acquire.mode != AcquireMode::PeakDetect {
-        return setup.model.signal_interval(setup.time_base);
-    }
-    let dense = (SHARE_OF_PEAK * setup.model.peak_width).max(1.0 / setup.model.sample_rate);
-    slow / (slow / dense).floor().clamp(1.0, MAX_SAMPLES_PER_POINT)
-}
-
 impl Acquirer<'_> {
     /// The record of every channel that is recorded and the trigger, or none if nothing triggers. Signals must have this set-up's sample
     /// interval; they arrive at `now` (s), which gives the phase of the mains.
     pub fn take(&self, signals: &Signals, now: f64) -> Option<(Vec<Waveform>, TriggerInstant)> {
         let model = &self.setup.model;
-        let interval = self.sample_interval();
+        let interval = self.setup.signal_interval();
         let external = &signals.external;
         let samples = signals.volts.iter().map(Vec::len).max().unwrap_or(0);
         let samples = samples.max(external.len()).max(1);
@@ -91,12 +75,7 @@ impl Acquirer<'_> {
             let channel = self.setup.channels.get(usize::from(number) - 1)?.as_ref()?;
             let source = Source::Channel(number);
             let signal = self.panel.records(number).then_some(signal)??;
-            Some(if self.panel.acquire.mode == AcquireMode::PeakDetect {
-                let blank = digitise(self.setup, source, channel, &[], found.index);
-                envelope(blank, self, signal, found.index)
-            } else {
-                digitise(self.setup, source, channel, signal, found.index)
-            })
+            Some(digitise(self.setup, source, channel, signal, found.index))
         };
         let numbers = 1..=model.channels;
         let records =
@@ -106,16 +85,11 @@ impl Acquirer<'_> {
 
     /// Whether `signals` were made for the time base of this set-up, and have its sample interval, to rounding.
     pub fn fits(&self, signals: &Signals) -> bool {
-        let interval = self.sample_interval();
+        let interval = self.setup.signal_interval();
         signals
             .time_base
             .is_none_or(|made_for| made_for.to_bits() == self.setup.time_base.to_bits())
             && (signals.interval - interval).abs() <= INTERVAL_TOLERANCE * interval
-    }
-
-    /// Time between the converter's samples with these settings (s).
-    fn sample_interval(&self) -> f64 {
-        sample_interval(self.panel, self.setup)
     }
 
     /// The external input or the mains on the grid of the signals, and the scale that its sensitivity counts in (V/div).
@@ -123,7 +97,7 @@ impl Acquirer<'_> {
         let (model, source) = (&self.setup.model, self.panel.trigger.source);
         if source == TriggerSource::Line {
             let phase =
-                |n| TAU * model.line_frequency * (start + n as f64 * self.sample_interval());
+                |n| TAU * model.line_frequency * (start + n as f64 * self.setup.signal_interval());
             let scale = TriggerSource::External.external_scale(model);
             return ((0..samples).map(|n| phase(n).sin()).collect(), scale);
         }
@@ -143,31 +117,12 @@ impl Acquirer<'_> {
         let Some(signal) = signal else { return fallback };
         match self.panel.trigger.kind {
             TriggerType::Edge => {
-                // Noise rejection asks for crossings twice as large.
-                let deaf = self.panel.trigger.coupling == EdgeCoupling::NoiseReject;
-                let scale = if deaf { 2.0 * scale } else { scale };
                 // The acquisition has seen to it that the part before the trigger is full.
-                find_trigger(self.setup, scale, &self.coupled(signal), automatic, 0)
+                find_trigger(self.setup, scale, signal, automatic, 0)
             }
             TriggerType::Pulse => self.find_pulse(signal).or(fallback),
             // No input of this bench carries a video signal.
             TriggerType::Video => fallback,
-        }
-    }
-
-    /// The trigger source's signal after the trigger coupling.
-    fn coupled<'s>(&self, signal: &'s [f64]) -> Cow<'s, [f64]> {
-        let model = &self.setup.model;
-        let ratio = |corner: f64| TAU * corner * self.sample_interval();
-        match self.panel.trigger.coupling {
-            EdgeCoupling::Dc | EdgeCoupling::NoiseReject => signal.into(),
-            EdgeCoupling::Ac => high_pass(signal, ratio(model.ac_corner)).into(),
-            EdgeCoupling::LowFrequencyReject => {
-                high_pass(signal, ratio(model.low_frequency_reject)).into()
-            }
-            EdgeCoupling::HighFrequencyReject => {
-                low_pass(signal, ratio(model.high_frequency_reject)).into()
-            }
         }
     }
 
@@ -188,7 +143,7 @@ impl Acquirer<'_> {
             } else if !now
                 && inside
                 && let Some(start) = begun
-                && self.is_wanted(((index - start) as f64) * self.sample_interval())
+                && self.is_wanted((index - start) as f64 * self.setup.signal_interval())
             {
                 return Some(TriggerPosition { index, crossed: true });
             }
@@ -208,46 +163,5 @@ impl Acquirer<'_> {
             PulseWhen::Inside => width < trigger.pulse_width,
             PulseWhen::Outside => width > trigger.pulse_width,
         }
-    }
-}
-
-fn scaled(index: usize, ratio: f64) -> usize {
-    (index as f64 * ratio).round() as usize
-}
-
-/// The record in peak-detect mode: lowest and highest sample of each two intervals in turn.
-fn envelope(mut record: Waveform, by: &Acquirer<'_>, signal: &[f64], trigger: usize) -> Waveform {
-    record.preamble.pt_fmt = PointFormat::Envelope;
-    let step = record.preamble.x_incr / by.sample_interval();
-    let vertical = record.vertical;
-    let code = |volts: f64| level(&vertical, volts);
-    let last = signal.len().saturating_sub(1);
-    let place =
-        |n: usize| scaled(1, (n as f64 - record.trigger_point) * step + trigger as f64).min(last);
-    for (pair, points) in record.codes.chunks_exact_mut(2).enumerate() {
-        let (from, to) = (place(2 * pair), place(2 * pair + 2));
-        let window = signal.get(from..to.max(from + 1)).unwrap_or_default();
-        let low = window.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = window.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        if let [first, second] = points
-            && low <= high
-        {
-            (*first, *second) = (code(low), code(high));
-        }
-    }
-    record
-}
-
-/// Folds record `number` (counted from 1) of an average of up to `depth` into the mean of those before, in levels.
-pub fn fold_average(mean: &mut Vec<f64>, record: &mut Waveform, number: u32, depth: u32) {
-    if mean.len() != record.codes.len() || number <= 1 {
-        *mean = record.codes.iter().map(|code| f64::from(*code)).collect();
-        return;
-    }
-    let weight = 1.0 / f64::from(number.min(depth).max(1));
-    for (mean, code) in mean.iter_mut().zip(&mut record.codes) {
-        *mean += weight * (f64::from(*code) - *mean);
-        let level = mean.round() as i16;
-        *code = level;
     }
 }

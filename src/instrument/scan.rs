@@ -7,8 +7,8 @@
 
 use std::collections::VecDeque;
 
-use super::panel::AcquireMode;
-use super::record::{Acquirer, Signals, sample_interval};
+use super::record::{Acquirer, Signals};
+use crate::scope::AcquireMode;
 use crate::scope::acquire::{digitise, level};
 use crate::scope::front_end::{condition, noise_stream};
 use crate::scope::waveform::LOWEST_CODE;
@@ -82,7 +82,7 @@ impl Sweep {
     pub fn advance(&mut self, by: &Acquirer<'_>, now: f64, most: Option<u32>) -> ScanProgress {
         let points_of_sweep = by.setup.model.record_length.max(1);
         let interval = by.setup.model.interval(by.setup.time_base);
-        let dense = sample_interval(by.panel, by.setup);
+        let dense = by.setup.signal_interval();
         let per_point = step(by, dense).unwrap_or(1);
         let due = ((now - self.started) / interval * (1.0 + 1e-12)).floor() as usize;
         // In peak detection two points belong together.

@@ -1,7 +1,5 @@
 //! How long the parts of a record take, and on which grid signals are welcome.
 
-use super::panel::Panel;
-use super::record::sample_interval;
 use crate::scope::{Setup, TriggerMode};
 
 /// Whether the scope scans instead of waiting for triggers.
@@ -39,10 +37,10 @@ pub struct SampleWindow {
 
 impl SampleWindow {
     /// The window for a scope with these settings.
-    pub fn of(panel: &Panel, setup: &Setup) -> Self {
+    pub fn of(setup: &Setup) -> Self {
         Self {
             time_base: setup.time_base,
-            interval: sample_interval(panel, setup),
+            interval: setup.signal_interval(),
             before: before_trigger(setup),
             after: after_trigger(setup),
         }

@@ -1,6 +1,8 @@
 //! Settings that are words: one spelling, its capitals the shortest form that the remote interface takes.
 
-use crate::scope::{Coupling, Slope, Source, TriggerMode, TriggerSource};
+use crate::scope::{
+    AcquireMode, Coupling, EdgeCoupling, Slope, Source, TriggerMode, TriggerSource,
+};
 
 /// A setting that the remote interface names with one word.
 pub trait Word: Copy + PartialEq + Sync + 'static {
@@ -49,6 +51,21 @@ pub(crate) use words;
 impl Word for Coupling {
     const WORDS: &'static [(Self, &'static str)] =
         &[(Self::Dc, "DC"), (Self::Ac, "AC"), (Self::Ground, "GND")];
+}
+
+impl Word for AcquireMode {
+    const WORDS: &'static [(Self, &'static str)] =
+        &[(Self::Sample, "SAMple"), (Self::PeakDetect, "PEAKdetect"), (Self::Average, "AVErage")];
+}
+
+impl Word for EdgeCoupling {
+    const WORDS: &'static [(Self, &'static str)] = &[
+        (Self::Dc, "DC"),
+        (Self::Ac, "AC"),
+        (Self::HighFrequencyReject, "HFRej"),
+        (Self::LowFrequencyReject, "LFRej"),
+        (Self::NoiseReject, "NOISErej"),
+    ];
 }
 
 impl Word for Slope {

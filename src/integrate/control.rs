@@ -1,4 +1,4 @@
-//! Choosing steps by the error they make: shared by all methods that estimate their own error.
+//! Step size control from the estimated local error, shared by all methods that estimate one.
 
 use super::splitting::REMAINDER;
 use super::{IntegrateError, Scales, State, System};
@@ -7,22 +7,23 @@ use super::{IntegrateError, Scales, State, System};
 const SAFETY: f64 = 0.8;
 /// A step shrinks at most by this factor (1).
 const SMALLEST_CHANGE: f64 = 0.2;
-/// A step grows at most by this factor where nobody asks for less (1).
+/// Default limit on the growth of a step; [`StepControl::growing`] sets a smaller one (1).
 const LARGEST_CHANGE: f64 = 5.0;
-/// The shortest step, in units of the clock's rounding: of shorter ones, shrunk by [`SAFETY`], the clock would show the same again (1).
+/// Shortest step, in multiples of the rounding error of the time. A shorter one, shrunk by [`SAFETY`] after a rejection, could round to the
+/// same step, and the run would never end (1).
 const SHORTEST: f64 = 4.0;
 
-/// The controller: knows the next step and what the last attempts ran into.
+/// State of the step size controller.
 #[derive(Debug, Clone)]
 pub struct StepControl {
     step: f64,
     /// A step grows at most by this factor (1).
     growth: f64,
-    /// Step changes go as the error to this power (1).
+    /// The step is scaled by the error to this power, -1/(p + 1) for an error estimate of order p (1).
     exponent: f64,
     after_rejection: bool,
-    /// Body whose values were not numbers at the last attempt.
-    lost: Option<usize>,
+    /// Body whose values were not finite at the last attempt.
+    non_finite: Option<usize>,
 }
 
 /// A step about to be tried.
@@ -40,7 +41,7 @@ impl StepControl {
     /// Starts with `step` (s); a step's error goes as its length to the power `error_order + 1`.
     pub fn new(step: f64, error_order: u8) -> Self {
         let exponent = -1.0 / f64::from(error_order + 1);
-        Self { step, growth: LARGEST_CHANGE, exponent, after_rejection: false, lost: None }
+        Self { step, growth: LARGEST_CHANGE, exponent, after_rejection: false, non_finite: None }
     }
 
     /// Lets steps grow by no more than `growth` (1).
@@ -51,29 +52,34 @@ impl StepControl {
     /// The step to try from `start` towards `end` (s).
     ///
     /// # Errors
-    /// [`IntegrateError`] when the clock's rounding would swallow the step, so that a run would never end.
+    /// [`IntegrateError`] when rounding of the time would swallow the step, so that a run would never end.
     #[inline]
     pub fn trial(&self, start: f64, end: f64) -> Result<Trial, IntegrateError> {
-        // A remainder that is nothing but the rounding of the times is taken along.
+        // If what would remain of the interval is only rounding error, the step goes to its end.
         let cut_short = self.step * (1.0 + REMAINDER) >= end - start;
         let next = if cut_short { end } else { start + self.step };
-        // The step that is taken is the one that the clock shows, rounding included.
+        // The step that is taken is the difference of the rounded times.
         let length = next - start;
-        // The rest of an interval may be as short as it likes.
+        // The last step of an interval may be arbitrarily short.
         if length > 0.0 && (cut_short || length > SHORTEST * f64::EPSILON * end.abs()) {
             return Ok(Trial { length, next, cut_short });
         }
-        Err(match self.lost {
+        Err(match self.non_finite {
             Some(body) => IntegrateError::NotFinite { body, time: start },
             None => IntegrateError::StepTooSmall { time: start, step: length },
         })
     }
 
-    /// Judges a trial by its error in multiples of the tolerance (1), and chooses the next step. `lost` names a body whose
-    /// values are not numbers, asked for only where the error is none.
+    /// Judges a trial by its error in multiples of the tolerance (1), and chooses the next step. `non_finite` names a body
+    /// whose values are not finite; called only if the error is not finite.
     #[inline]
-    pub fn accepts(&mut self, trial: Trial, error: f64, lost: impl FnOnce() -> usize) -> bool {
-        self.lost = (!error.is_finite()).then(lost);
+    pub fn accepts(
+        &mut self,
+        trial: Trial,
+        error: f64,
+        non_finite: impl FnOnce() -> usize,
+    ) -> bool {
+        self.non_finite = (!error.is_finite()).then(non_finite);
         let change = if error.is_finite() {
             (SAFETY * error.powf(self.exponent)).clamp(SMALLEST_CHANGE, self.growth)
         } else {
@@ -91,10 +97,10 @@ impl StepControl {
 
 /// The first step, as a fraction of position scale over speed scale: a striker's contact may have just begun (1).
 const FIRST_STEP: f64 = 1e-3;
-/// The first step of a system at rest, as a fraction of its fastest oscillation in radians (1).
+/// First step of a system at rest times its highest angular frequency (rad).
 const FIRST_STEP_AT_REST: f64 = 0.01;
 
-/// The first step of a system with these scales, or of one at rest with this highest angular `frequency` (1/s) (s).
+/// The first step of a system with these scales; if it is at rest, from its highest angular `frequency` in rad/s (s).
 pub fn first_step(scales: Scales, frequency: f64) -> f64 {
     let step = FIRST_STEP * scales.position / scales.velocity;
     if step.is_finite() && step > 0.0 { step } else { FIRST_STEP_AT_REST / frequency }
@@ -108,10 +114,10 @@ pub fn first_step_of(system: &dyn System, state: &State) -> f64 {
 
 /// Largest of the errors of a position (m) and a velocity (m/s) relative to `scales`; infinite where anything is not a number (1).
 pub fn relative_error([position, velocity]: [f64; 2], scales: Scales) -> f64 {
-    // A system at rest has no scale, and makes no error.
+    // A system at rest has zero scale and zero error: no 0/0.
     let ratio = |error: f64, scale: f64| if error == 0.0 { 0.0 } else { error / scale };
     let (x, v) = (ratio(position, scales.position), ratio(velocity, scales.velocity));
-    // A sum, for `max` would hide what is not a number.
+    // A sum, since `max` ignores NaN.
     if (x + v).is_finite() && scales.are_finite() { x.max(v) } else { f64::INFINITY }
 }
 
@@ -125,11 +131,11 @@ pub fn largest(values: &[f64]) -> f64 {
     )
 }
 
-/// `value += increment`, keeping in `lost` what rounding takes. Source: W. Kahan, Commun. ACM 8, 40 (1965).
-pub fn add_compensated(value: &mut f64, lost: &mut f64, increment: f64) {
-    let increment = increment - *lost;
+/// `value += increment`, keeping the rounding error in `compensation`. Source: W. Kahan, Commun. ACM 8, 40 (1965).
+pub fn add_compensated(value: &mut f64, compensation: &mut f64, increment: f64) {
+    let increment = increment - *compensation;
     let sum = *value + increment;
-    *lost = (sum - *value) - increment;
+    *compensation = (sum - *value) - increment;
     *value = sum;
 }
 
@@ -137,7 +143,7 @@ pub fn add_compensated(value: &mut f64, lost: &mut f64, increment: f64) {
 mod tests {
     use super::*;
 
-    /// A step that fails however short it is, anywhere in the clock's numbers: shrinking ends where the clock would swallow it.
+    /// Steps that always fail end with an error, at any start time.
     #[test]
     fn failing_steps_come_to_an_end() {
         for start in [0.0, 1e-9, 0.5, 1.0 - f64::EPSILON, 1.0, 0.017_833_755_280_965_09, 1.99] {

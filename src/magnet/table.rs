@@ -1,11 +1,12 @@
-//! A measured force over distance, read between its points by a cubic that never swings beyond them.
+//! A measured force over distance, interpolated by a monotone piecewise cubic (no overshoot).
 //!
 //! Between two points `y = h00 y0 + h10 w m0 + h01 y1 + h11 w m1`, Hermite's cubic over the width `w`, with slopes `m` that are zero
-//! where the data turn and else the weighted harmonic mean of the two neighbouring secants: it rises where the data rise.
+//! at local extremes of the data, otherwise the weighted harmonic mean of the adjacent secant slopes: the curve is monotone between points.
 //! Source: F. N. Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5, 300 (1984); ends: one-sided parabola, limited. Valid between
-//! the outermost points; there is no force beyond them.
+//! the outermost points: `force` and `slope` return none outside, `held_force` and `integral` continue with the end value. Forces keep
+//! the sign of the data; the magnet's tables count attraction as positive.
 
-/// Why points are no table.
+/// Errors of a force table.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum TableError {
     /// Too few points.
@@ -14,8 +15,8 @@ pub enum TableError {
         /// How many there are.
         points: usize,
     },
-    /// Distances that do not rise.
-    #[error("found {next:e} m after {before:e} m, expected distances that rise")]
+    /// Distances that are not strictly increasing.
+    #[error("distances must increase: {next:e} m follows {before:e} m")]
     Order {
         /// One distance (m).
         before: f64,
@@ -75,7 +76,7 @@ impl ForceTable {
             + width * m1 * t2 * (t - 1.0)
     }
 
-    /// Its change with distance, none beyond the table (N/m).
+    /// Derivative of the force with respect to distance, none outside the table (N/m).
     pub fn slope(&self, distance: f64) -> Option<f64> {
         let [first, last] = self.span();
         if !(first..=last).contains(&distance) {
@@ -157,8 +158,8 @@ fn slopes(points: &[(f64, f64)]) -> Vec<f64> {
     std::iter::once(end_slope(&secants)).chain(inner).chain([end_slope(&reversed)]).collect()
 }
 
-/// Slope at the end whose secants come first: of the parabola through three points, kept to the sign of the outermost secant
-/// and to three times its size.
+/// Slope at the first point of `secants`: derivative of the parabola through three points, limited to the sign of the first secant
+/// and, where the secants change sign, to three times its value.
 fn end_slope(secants: &[(f64, f64)]) -> f64 {
     let Some((w0, s0)) = secants.first() else { return 0.0 };
     let Some((w1, s1)) = secants.get(1) else { return *s0 };

@@ -15,6 +15,14 @@ use crate::scene::{PlatePlace, Scene, Site};
 /// Why there are no speeds, and what to do.
 const NO_DISTANCES: &str = "no speeds: no distances are known; give --scene NAME, or --distance CH1-CH2=\"47.2 mm +- 0.1 mm\"";
 
+/// Note on forces of `channels` whose sensors' sensitivities have no known uncertainty.
+pub fn sensitivities_unknown(channels: &[&str]) -> String {
+    format!(
+        "{}: the uncertainty of the sensitivity is unknown, ± and U95 of forces do not include it: calibrate the sensor",
+        channels.join(", ")
+    )
+}
+
 /// A pulse smaller than this share of the largest value is not counted (1).
 const MIN_PULSE_SHARE: f64 = 0.05;
 
@@ -130,6 +138,17 @@ pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
         if let (Some(pulse), Some(place)) = (pulse, sensor.and_then(|sensor| sensor.place)) {
             placed.push(PlacedPulse { channel: name, place, pulse });
         }
+    }
+    let unknown = |channel: &&ChannelArrivals| {
+        let is_known = |s: &RecordedSensor| s.sensitivity_u.is_some();
+        let sensor =
+            sensors.iter().find(|sensor| sensor.channel.as_ref() == Some(&channel.channel));
+        channel.height_n.is_some() && !sensor.is_some_and(is_known)
+    };
+    let unknown: Vec<&str> =
+        channels.iter().filter(unknown).map(|channel| channel.channel.as_str()).collect();
+    if !unknown.is_empty() {
+        notes.push(sensitivities_unknown(&unknown));
     }
     let over_time = |capture: &Capture| capture.waveform.preamble.x_unit == "s";
     let mut of_time = channels.iter().zip(&shot.captures).filter(|(_, c)| over_time(c));

@@ -206,7 +206,7 @@ pub fn cell_and_force(scene: &Scene, site: Site) -> Option<(DiatomicChain, f64)>
     // A particle, its neighbour of the other kind and the next of its own, downward if that is a cell, else upward.
     let is_cell = |upper: usize| {
         let (first, second, third) = (body(upper)?, body(upper + 1)?, body(upper + 2)?);
-        let turns = first.name == third.name && first.name != second.name;
+        let turns = first.is_alike(third) && first.name != second.name;
         (turns && upper >= 1 && upper + 2 <= last).then_some(upper)
     };
     let upper = is_cell(particle).or_else(|| is_cell(particle.checked_sub(2)?))?;
@@ -226,10 +226,12 @@ pub fn cell_and_force(scene: &Scene, site: Site) -> Option<(DiatomicChain, f64)>
 /// take turns.
 pub fn cells(scene: &Scene, particle: usize) -> Option<Vec<usize>> {
     let chain = &scene.chain;
-    let name = |p: usize| Some(&chain.bodies().get(chain.body_of(p))?.name);
-    let turns = |p: usize| {
-        p >= 1 && p + 2 <= chain.particles() && name(p) == name(p + 2) && name(p) != name(p + 1)
+    let body = |p: usize| chain.bodies().get(chain.body_of(p));
+    let takes_turns = |p: usize| {
+        let (first, second, third) = (body(p)?, body(p + 1)?, body(p + 2)?);
+        Some(first.is_alike(third) && first.name != second.name)
     };
+    let turns = |p: usize| p >= 1 && p + 2 <= chain.particles() && takes_turns(p).unwrap_or(false);
     let start = [particle, particle.saturating_sub(1), particle.saturating_sub(2)];
     let start = start.into_iter().find(|p| turns(*p))?;
     let first = (1..=start).rev().take_while(|p| turns(*p)).last()?;

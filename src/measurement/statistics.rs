@@ -15,8 +15,9 @@ use crate::quantity::coverage::student_95;
 /// Repeatability limit over standard deviation: 1.96 times the square root of two (1).
 const REPEATABILITY_FACTOR: f64 = 2.8;
 
-/// A trend of this many standard uncertainties is called a drift: of dozens of quantities, twice would call some by chance (1).
-const DRIFT_FACTOR: f64 = 3.0;
+/// A trend of this many expanded uncertainties is called a drift, three standard ones of many shots: of dozens of quantities, a single
+/// one would call some by chance (1).
+const DRIFT_FACTOR: f64 = 1.5;
 
 /// One quantity over all shots that tell it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -48,9 +49,10 @@ pub struct ShotStatistic {
 }
 
 impl ShotStatistic {
-    /// Whether the trend is beyond three times its standard uncertainty.
+    /// Whether the trend is beyond one and a half times its expanded uncertainty.
     pub fn drifts(&self) -> bool {
-        self.trend.is_some_and(|trend| trend.value.abs() > DRIFT_FACTOR * trend.u)
+        let factor = DRIFT_FACTOR * self.trend_coverage_factor;
+        self.trend.is_some_and(|trend| trend.value.abs() > factor * trend.u)
     }
 }
 
@@ -169,7 +171,10 @@ mod tests {
             (trend.value - 1.1).abs() < 1e-12 && (trend.u - 0.27f64.sqrt()).abs() < 1e-12,
             "{trend:?}"
         );
-        // 1.1 is 2.1 times its uncertainty.
+        // 1.1 is 2.1 times its uncertainty, and Student's t of two degrees of freedom is 4.3.
         assert!(!found.drifts());
+        let sharper =
+            |u| ShotStatistic { trend: Some(Uncertain { value: 1.1, u }), ..found.clone() };
+        assert!(!sharper(0.18).drifts() && sharper(0.16).drifts());
     }
 }

@@ -21,11 +21,12 @@ pub fn arrivals(survey: &Survey) -> String {
         lines.extend(speeds(survey));
     }
     for decay in &survey.decays {
-        let rate = decay.per_metre.map_or(String::new(), |rate| format!(", {rate:+.2} Np/m"));
+        let rate =
+            decay.per_metre.map_or(String::new(), |rate| format!(", attenuation {rate:.2} Np/m"));
         lines.push(format!(
-            "  first peak  {} -> {}: {:.3} ± {:.3} of its height{rate}",
-            decay.from,
+            "  first peak at {} over that at {}: {:.3} ± {:.3}{rate}",
             decay.to,
+            decay.from,
             decay.ratio.value,
             decay.ratio.expanded()
         ));

@@ -109,7 +109,7 @@ fn capture_row(capture: &Capture) -> Vec<String> {
         format!("{} div", waveform.vertical.position),
         waveform.vertical.coupling.map_or("?".to_owned(), |c| c.to_string()),
         engineering(waveform.horizontal_scale, &format!("{}/div", preamble.x_unit), 3),
-        waveform.trigger_point.to_string(),
+        ((1e3 * waveform.trigger_point).round() / 1e3).to_string(),
         extreme(waveform.codes.iter().min()),
         extreme(waveform.codes.iter().max()),
         waveform.clipped().to_string(),

@@ -79,14 +79,14 @@ impl DispersionPage {
                 hertz(chain.cutoff())
             ),
             format!(
-                "  measured    in {} cells; a wave is known to ±{} and ±{:.3} rad",
+                "  measured    over {} unit cells; resolution {} in frequency, {:.3} rad in k a",
                 self.cells,
                 hertz(found.frequency_u),
                 found.phase_u
             ),
             String::new(),
         ];
-        let heading = ["frequency", "k a", "height", "theory there", "off", "travelling"];
+        let heading = ["frequency", "k a", "amplitude", "theory at k a", "deviation", "direction"];
         let mut rows = vec![heading.map(str::to_owned).to_vec()];
         rows.extend(found.lines.iter().map(|line| {
             let theory = self.theory(line);

@@ -1,5 +1,6 @@
 //! The effects of a scene as a page of text: one line an effect.
 
+use super::dot_chart::{DotChart, DotRow};
 use super::table;
 use super::text::{TERMINAL_WIDTH, hanging_indent, wrapped};
 use crate::quantity::engineering;
@@ -31,6 +32,33 @@ pub fn effects(ledger: &Ledger, why: bool) -> String {
         lines.extend(wrapped(TABLE_LEGEND, TERMINAL_WIDTH));
     }
     lines.join("\n")
+}
+
+/// The largest change of readings by each effect, as a picture.
+pub fn effects_svg(ledger: &Ledger) -> String {
+    let percent = |value: f64| 100.0 * value.abs();
+    let row = |entry: &LedgerEntry| {
+        let change = entry.change;
+        let values = [
+            change.and_then(|c| c.peak),
+            change.and_then(|c| c.arrival),
+            change.and_then(|c| c.speed),
+        ];
+        DotRow {
+            name: entry.effect.replace('_', " "),
+            values: values.map(|value| value.map(percent)).to_vec(),
+            words: format!("{}, {}", if entry.active { "on" } else { "off" }, entry.verdict.word()),
+        }
+    };
+    DotChart {
+        title: format!("{}: what each effect changes", ledger.scene),
+        axis: "readings with the effect against without (%); at the left end: that or less"
+            .to_owned(),
+        series: vec!["first peak", "arrival", "speed"],
+        mark: (100.0 * ledger.accuracy, "accuracy of the runs".to_owned()),
+        rows: ledger.entries.iter().map(row).collect(),
+    }
+    .svg()
 }
 
 fn row(entry: &LedgerEntry, accuracy: f64) -> Vec<String> {

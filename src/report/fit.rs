@@ -51,7 +51,7 @@ fn nuisance(found: &Nuisance) -> String {
 }
 
 fn channel_rows(report: &FitReport) -> Vec<Vec<String>> {
-    let heading = ["", "noise", "rms left", "largest", "neighbours", "mapped by"];
+    let heading = ["", "noise", "rms", "largest", "autocorrelation", "channel from"];
     let row = |c: &ChannelResult| {
         vec![
             format!("{} {}", c.name, c.sensor.as_deref().unwrap_or("")).trim_end().to_owned(),
@@ -101,10 +101,9 @@ fn profile_lines(report: &FitReport) -> Vec<String> {
 
 fn quality(report: &FitReport) -> String {
     format!(
-        "chi squared {:.1} for {} degrees of freedom, residual variance {:.4}; {} runs in {}",
-        report.chi_squared,
-        report.degrees_of_freedom,
+        "reduced chi squared {:.3} ({} degrees of freedom); {} runs in {}",
         report.residual_variance,
+        report.degrees_of_freedom,
         report.runs,
         engineering(report.wall_s, "s", 3)
     )
@@ -117,12 +116,13 @@ pub fn fit(report: &FitReport) -> String {
         report.scene, report.measured
     )];
     lines.extend(table::lines(&parameter_rows(report), &[0]));
-    lines.extend(report.nuisances.iter().map(|found| format!("  along  {}", nuisance(found))));
+    lines
+        .extend(report.nuisances.iter().map(|found| format!("  also fitted  {}", nuisance(found))));
     lines.push(String::new());
     lines.push("correlations".to_owned());
     lines.extend(table::lines(&correlation_rows(report), &[0]));
     lines.push(String::new());
-    lines.push("what is left".to_owned());
+    lines.push("residuals (autocorrelation from one sample to the next)".to_owned());
     lines.extend(table::lines(&channel_rows(report), &[0, 5]));
     lines.push(format!("  {}", quality(report)));
     lines.extend(profile_lines(report).iter().map(|line| format!("  profile  {line}")));

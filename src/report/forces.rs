@@ -2,6 +2,7 @@
 
 use super::plot::{Curve, braille};
 use super::table;
+use crate::measurement::arrivals::sensitivities_unknown;
 use crate::measurement::force::Forces;
 use crate::quantity::coverage::NORMAL_95;
 use crate::quantity::engineering;
@@ -19,7 +20,8 @@ pub fn force_curve(forces: &Forces) -> Curve {
 
 /// The page that `force` prints.
 pub fn forces(found: &[Forces], problems: &[String]) -> String {
-    let heading = ["", "sensor", "sensitivity", "tau", "largest force", "U95", "at", "of it noise"];
+    let heading =
+        ["", "sensor", "sensitivity", "tau", "largest force", "U95", "at", "U95 of noise"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     for channel in found {
         let values = channel.force.values.iter().zip(&channel.u).zip(&channel.noise_u).enumerate();
@@ -45,12 +47,11 @@ pub fn forces(found: &[Forces], problems: &[String]) -> String {
     }
     let mut lines = table::lines(&rows, &[0, 1]);
     let unknown = found.iter().filter(|channel| channel.sensor.sensitivity_u.is_none());
-    lines.extend(unknown.map(|channel| {
-        format!(
-            "  note  {}: the sensitivity's uncertainty is not known, and left out",
-            channel.channel
-        )
-    }));
+    let unknown: Vec<&str> = unknown.map(|channel| channel.channel.as_str()).collect();
+    if !unknown.is_empty() {
+        let note = sensitivities_unknown(&unknown);
+        lines.push(format!("  note  {note}"));
+    }
     let cut = found.iter().filter(|channel| channel.clipped > 0);
     lines.extend(cut.map(|channel| {
         format!(

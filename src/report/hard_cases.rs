@@ -1,8 +1,30 @@
 //! The catalogue of hard cases as a page of text: one line a case.
 
+use super::dot_chart::{DotChart, DotRow};
 use super::table;
 use super::text::hanging_indent;
 use crate::studies::hard_cases::CaseResult;
+
+/// How near each case comes to its bound, as a picture.
+pub fn hard_cases_svg(findings: &[CaseResult]) -> String {
+    let row = |finding: &CaseResult| {
+        let share = finding.found.zip(finding.limit).map(|(found, limit)| found / limit);
+        DotRow {
+            name: finding.case.to_owned(),
+            values: vec![share],
+            words: finding.verdict.word().to_owned(),
+        }
+    };
+    DotChart {
+        title: "Hard cases: the tightest figure of each over its bound".to_owned(),
+        axis: "figure over bound; at the left end: that or less; refused cases have none"
+            .to_owned(),
+        series: vec!["figure"],
+        mark: (1.0, "bound".to_owned()),
+        rows: findings.iter().map(row).collect(),
+    }
+    .svg()
+}
 
 /// The page that `hard-cases` prints; with what makes each case hard, its bound and its tightest figure where `why` is true.
 pub fn hard_cases(findings: &[CaseResult], why: bool) -> String {

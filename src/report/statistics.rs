@@ -9,7 +9,7 @@ use crate::quantity::engineering;
 /// The table that `arrivals` ends with.
 pub fn statistics(found: &[ShotStatistic]) -> String {
     let heading =
-        ["", "estimator", "shots", "mean", "st. dev.", "", "repeatability", "trend per shot"];
+        ["", "estimator", "shots", "mean", "st. dev.", "", "repeatability", "trend per shot", ""];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     for statistic in found {
         let shown = |value: f64| engineering(value, statistic.unit, 3);
@@ -18,12 +18,7 @@ pub fn statistics(found: &[ShotStatistic]) -> String {
         let relative = statistic.standard_deviation.filter(|_| statistic.unit != "s");
         let relative = relative.map(|s| 100.0 * s / statistic.mean.abs());
         let trend = statistic.trend.map_or("-".to_owned(), |trend| {
-            let marked = if statistic.drifts() { "  drifts" } else { "" };
-            format!(
-                "{} ± {}{marked}",
-                shown(trend.value),
-                shown(statistic.trend_coverage_factor * trend.u)
-            )
+            format!("{} ± {}", shown(trend.value), shown(statistic.trend_coverage_factor * trend.u))
         });
         rows.push(vec![
             match &statistic.to {
@@ -37,12 +32,13 @@ pub fn statistics(found: &[ShotStatistic]) -> String {
             relative.filter(|r| r.is_finite()).map_or(String::new(), |r| format!("{r:.2} %")),
             or_none(statistic.repeatability),
             trend,
+            if statistic.drifts() { "drifts".to_owned() } else { String::new() },
         ]);
     }
     let mut lines = vec![
         "over all shots: repeatability is 2.8 standard deviations, the most by which 95 % of pairs differ".to_owned(),
     ];
-    lines.extend(table::lines(&rows, &[0, 1]));
+    lines.extend(table::lines(&rows, &[0, 1, 8]));
     lines.join("\n")
 }
 

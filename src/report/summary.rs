@@ -163,12 +163,13 @@ fn errors(summary: &Summary) -> Vec<String> {
     if let Some(trace) = trace {
         let early = summary.accuracy.zip(*trace_holds_s).map_or(String::new(), |(asked, until)| {
             if until > 0.0 {
-                format!(", within {asked:.1e} up to {}", engineering(until, "s", 3))
+                format!("; until {} within {asked:.1e}", engineering(until, "s", 3))
             } else {
-                format!(", beyond {asked:.1e} from the start")
+                format!("; beyond {asked:.1e} from the start")
             }
         });
-        lines.push(format!("              traces within {trace:.1e} of their largest{early}"));
+        lines
+            .push(format!("              traces within {trace:.1e} of their largest value{early}"));
     }
     lines.push(format!("              ({how})"));
     lines

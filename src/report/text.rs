@@ -3,6 +3,9 @@
 /// Columns of such a terminal.
 pub const TERMINAL_WIDTH: usize = 80;
 
+/// Narrowest column in which words are wrapped (characters).
+const MIN_FOLDED: usize = 20;
+
 /// Lines of whole words, `width` characters at most where words allow.
 pub fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
@@ -26,4 +29,54 @@ pub fn hanging_indent(first: &str, text: &str) -> Vec<String> {
     let lines = wrapped(text, TERMINAL_WIDTH.saturating_sub(indent));
     let before = |number: usize| if number == 0 { first } else { "" };
     lines.iter().enumerate().map(|(i, line)| format!("{:indent$}{line}", before(i))).collect()
+}
+
+/// `text` with its labelled lines (`  note  words ...`) wrapped below their words where they are wider than `width`; tables, and
+/// what is no label, stay as they are.
+pub fn folded(text: &str, width: usize) -> String {
+    text.split('\n').flat_map(|line| fold(line, width)).collect::<Vec<_>>().join("\n")
+}
+
+fn fold(line: &str, width: usize) -> Vec<String> {
+    let whole = || vec![line.to_owned()];
+    if line.chars().count() <= width {
+        return whole();
+    }
+    let Some((label, words)) = line.strip_prefix("  ").and_then(|body| body.split_once("  "))
+    else {
+        return whole();
+    };
+    let words = words.trim_start();
+    let is_label = label.chars().all(|c| c.is_ascii_lowercase() || c == ' ');
+    let indent = line.chars().count() - words.chars().count();
+    if !is_label || words.contains("  ") || indent + MIN_FOLDED > width {
+        return whole();
+    }
+    let first: String = line.chars().take(indent).collect();
+    let before = |number: usize| if number == 0 { first.as_str() } else { "" };
+    let lines = wrapped(words, width - indent);
+    lines.iter().enumerate().map(|(i, line)| format!("{:indent$}{line}", before(i))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labelled_lines_are_wrapped_below_their_words() {
+        let note = "  note    the striker's speed was drawn from the seed of the scene";
+        let folded = folded(note, 40);
+        assert_eq!(
+            folded,
+            "  note    the striker's speed was drawn\n          from the seed of the scene"
+        );
+        // Continued lines, tables, JSON and TOML.
+        let continued = "              traces within 1 % of the largest value of the whole";
+        assert_eq!(super::folded(continued, 40).lines().count(), 2);
+        for kept in
+            ["  a  1  2  3  4  5  6  7", "  \"key\": \"words and words\"", "key = \"x\"  # words"]
+        {
+            assert_eq!(super::folded(kept, 12), kept);
+        }
+    }
 }

@@ -1,8 +1,9 @@
 //! Intervals, bands and budgets of uncertain scenes, and normalised errors, as pages of text and pictures.
 
 use super::plot::Curve;
+use super::text::hanging_indent;
 use super::{chart_over, table};
-use crate::quantity::{Uncertain, engineering};
+use crate::quantity::{Dimension, Uncertain, engineering};
 use crate::studies::uncertainty::{
     InputShare, NormalisedError, OutputInterval, TraceBand, UncertainPrediction,
 };
@@ -21,10 +22,6 @@ fn with(value: f64, expanded: f64, unit: &str) -> String {
     let scale = 10f64.powf((mantissa / value).log10().round());
     let decimals = (1.0 - (expanded * scale).log10().floor()).clamp(0.0, 6.0) as usize;
     format!("{:.decimals$} ± {:.decimals$} {prefixed}", value * scale, expanded * scale)
-}
-
-fn percent(share: f64) -> String {
-    format!("{:.1} %", 100.0 * share)
 }
 
 /// The intervals that `run --bands` prints.
@@ -59,47 +56,61 @@ fn heading(found: &UncertainPrediction) -> String {
 /// The page that `budget` prints.
 pub fn uncertainty_budget(found: &UncertainPrediction) -> String {
     let mut lines = vec![heading(found)];
+    let mut sources: Vec<&str> = Vec::new();
     let mut rows = vec![["input", "value", "u", "source"].map(str::to_owned).to_vec()];
-    rows.extend(found.inputs.iter().map(|input| {
-        let number = |value: f64| match input.unit.as_str() {
-            "" => format!("{value:.4}"),
-            unit => in_unit(value, unit),
-        };
-        let source = input.source.clone().unwrap_or_else(|| "not stated".to_owned());
-        vec![input.name.clone(), number(input.value), number(input.u), source]
-    }));
+    for input in &found.inputs {
+        let source = input.source.as_deref().unwrap_or("not stated");
+        let place = sources.iter().position(|known| *known == source).unwrap_or_else(|| {
+            sources.push(source);
+            sources.len() - 1
+        });
+        let number = |value: f64, digits| in_unit(value, &input.unit, digits);
+        let (value, u) = (number(input.value, 4), number(input.u, 3));
+        rows.push(vec![input.name.clone(), value, u, format!("[{}]", place + 1)]);
+    }
     lines.extend(table::lines(&rows, &[0, 3]));
+    for (number, source) in (1..).zip(sources) {
+        lines.extend(hanging_indent(&format!("  [{number}] "), source));
+    }
     lines.push(String::new());
-    lines.push("share of the variance, largest first; what is not linear is left".to_owned());
-    lines.extend(found.outputs.iter().map(budget_line));
+    lines.push("share of the variance, largest first".to_owned());
+    for output in &found.outputs {
+        lines.extend(budget_lines(output));
+    }
     lines.join("\n")
 }
 
-/// A value in SI units in the base unit of the unit that the scene states it in.
-fn in_unit(value: f64, unit: &str) -> String {
-    let factor = crate::quantity::parse_any(&format!("1 {unit}")).map_or(1.0, |(factor, _)| factor);
-    format!("{} {unit}", significant(value / factor))
-}
-
-fn significant(value: f64) -> String {
-    if value == 0.0 {
-        return "0".to_owned();
+/// A value with so many digits, with a prefix of the unit that its dimension has in the SI.
+fn in_unit(value: f64, unit: &str, digits: usize) -> String {
+    let dimension =
+        crate::quantity::parse_any(&format!("1 {unit}")).map(|(_, dimension)| dimension);
+    match dimension.map(Dimension::unit).as_deref() {
+        Ok("kg") => engineering(1e3 * value, "g", digits),
+        Ok(base) if !unit.is_empty() => engineering(value, base, digits),
+        _ if value == 0.0 => "0".to_owned(),
+        _ => {
+            let size = value.abs().log10().floor();
+            let decimals = (digits as f64 - 1.0 - size).clamp(0.0, 9.0) as i32;
+            let decimals = usize::try_from(decimals).unwrap_or_default();
+            format!("{value:.decimals$}")
+        }
     }
-    let decimals = (3.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
-    format!("{value:.decimals$}")
 }
 
-fn budget_line(output: &OutputInterval) -> String {
+/// An output with its uncertainty, and which inputs carry it.
+fn budget_lines(output: &OutputInterval) -> Vec<String> {
     let listed = |input: &&InputShare| input.share >= LISTED_SHARE;
-    let mut parts: Vec<String> = output
-        .inputs
-        .iter()
-        .filter(listed)
-        .map(|input| format!("{} {}", input.input, percent(input.share)))
-        .collect();
-    parts.push(format!("not linear {}", percent(1.0 - output.explained)));
+    let part = |name: &str, share: f64| format!("{name} {:.0} %", 100.0 * share);
+    let inputs = output.inputs.iter().filter(listed);
+    let mut parts: Vec<String> = inputs.map(|input| part(&input.input, input.share)).collect();
+    let left = 1.0 - output.explained;
+    if left >= LISTED_SHARE {
+        parts.push(part("not linear", left));
+    }
     let value = with(output.value, output.expanded, output.unit);
-    format!("  {}: {value}: {}", output.name, parts.join(", "))
+    let mut lines = vec![format!("  {}  {value}", output.name)];
+    lines.extend(hanging_indent("      ", &parts.join(", ")));
+    lines
 }
 
 /// A channel's band with its nominal trace, as a picture.

@@ -4,12 +4,13 @@ use std::rc::Rc;
 
 use super::document::{Entries, Node};
 use super::oscilloscope;
+use super::problem::MISSING;
 use super::reader::{Bound, Problems, TableReader};
 use super::sensors::sensor_names;
 use crate::quantity::{Dimension, engineering};
 use crate::scope::{
-    ChannelSetup, Coupling, Deviation, Model, Setup, Slope, Trigger, TriggerMode, TriggerSource,
-    VerticalSetup,
+    AcquireMode, AcquireSetup, ChannelSetup, Coupling, Deviation, EdgeCoupling, Model, Setup,
+    Slope, Trigger, TriggerMode, TriggerSource, VerticalSetup,
 };
 use crate::sensor::Load;
 
@@ -61,7 +62,7 @@ pub fn drawn(
 ) -> Option<Setup> {
     if !root.has("scope") {
         let expected = "[scope] with model, time_base, trigger and channels";
-        root.problem("scope", "no such table", expected);
+        root.problem("scope", MISSING, expected);
     }
     let table = root.table("scope")?;
     let sensors = sensor_names(root);
@@ -121,7 +122,9 @@ fn scope(table: &TableReader<'_>, sensors: &[&str], duration: Option<f64>) -> Op
         trigger.finish();
         read
     });
+    let acquisition = acquisition(table, model.as_ref());
     Some(Setup {
+        acquisition,
         model: model?,
         channels,
         external,
@@ -130,6 +133,26 @@ fn scope(table: &TableReader<'_>, sensors: &[&str], duration: Option<f64>) -> Op
         trigger: trigger?,
         noise: 0.0,
     })
+}
+
+/// `acquisition` and `averages`.
+fn acquisition(table: &TableReader<'_>, model: Option<&Model>) -> AcquireSetup {
+    let words = [
+        ("sample", AcquireMode::Sample),
+        ("peak detect", AcquireMode::PeakDetect),
+        ("average", AcquireMode::Average),
+    ];
+    let mode = table.choice("acquisition", &words).unwrap_or(AcquireMode::Sample);
+    let averages = table.count("averages", 2, u64::from(u32::MAX));
+    let averages = averages.and_then(|number| u32::try_from(number).ok());
+    let known = model.map(|model| &model.limits.averages);
+    if let (Some(number), Some(known)) = (averages, known)
+        && !known.contains(&number)
+    {
+        let known: Vec<String> = known.iter().map(u32::to_string).collect();
+        table.problem("averages", number.to_string(), format!("one of {}", known.join(", ")));
+    }
+    AcquireSetup { mode, averages: averages.unwrap_or(AcquireSetup::default().averages) }
 }
 
 /// A plate drives one cable: the circuit knows the load of one input alone.
@@ -225,6 +248,22 @@ fn trigger_setup(
     let slope_words = [("rise", Slope::Rise), ("fall", Slope::Fall)];
     let mode_words = [("auto", TriggerMode::Auto), ("normal", TriggerMode::Normal)];
     let slope = table.choice("slope", &slope_words).unwrap_or(Slope::Rise);
+    let coupling_words = [
+        ("DC", EdgeCoupling::Dc),
+        ("AC", EdgeCoupling::Ac),
+        ("HF reject", EdgeCoupling::HighFrequencyReject),
+        ("LF reject", EdgeCoupling::LowFrequencyReject),
+        ("noise reject", EdgeCoupling::NoiseReject),
+    ];
+    let coupling = table.choice("coupling", &coupling_words).unwrap_or(EdgeCoupling::Dc);
+    let holdoff = table.quantity("holdoff", Dimension::TIME, Bound::Positive);
+    let limits = model.map_or((0.0, f64::INFINITY), |model| model.limits.holdoff);
+    if let Some(holdoff) = holdoff.filter(|time| *time < limits.0 || *time > limits.1) {
+        let seconds = |time: f64| engineering(time, "s", 3);
+        let expected = format!("{} to {}", seconds(limits.0), seconds(limits.1));
+        table.problem("holdoff", seconds(holdoff), expected);
+    }
+    let holdoff = holdoff.unwrap_or(limits.0);
     let mode = table.choice("mode", &mode_words).unwrap_or(TriggerMode::Auto);
     let (source, level) = (source?, level?);
     if let Some(number) = source.channel() {
@@ -254,7 +293,7 @@ fn trigger_setup(
             table.problem("level", engineering(level, "V", 3), expected);
         }
     }
-    Some(Trigger { source, level, slope, mode })
+    Some(Trigger { source, level, slope, mode, coupling, holdoff })
 }
 
 /// The load of a sensor at this channel's input.

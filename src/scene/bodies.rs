@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 
 use super::library;
 use super::reader::{Bound, Problems, TableReader};
+use super::taper::sizes;
 use crate::chain::{Body, Chain, ChainError, ChainSpec, Elasticity, End};
 use crate::note::Note;
 use crate::quantity::{Dimension, engineering};
@@ -115,6 +116,8 @@ fn body(
     let mass = match solid {
         _ if table.has("mass") => typed,
         Some(solid) => Some(solid),
+        // A material that could not be read has left its problem.
+        None if material.is_none() => None,
         None => table.required("mass", Dimension::MASS, Bound::MASS),
     };
     if let (Some(mass), Some(solid)) = (mass, solid)
@@ -173,7 +176,10 @@ pub fn particles<'a>(
 ) -> Particles<'a> {
     let mut kinds = BTreeMap::new();
     for (name, table) in root.tables("particles") {
-        kinds.insert(name, body(&table, name, materials, true));
+        let kind = body(&table, name, materials, true);
+        let diameter = || table.quantity("diameter", Dimension::LENGTH, Bound::LENGTH);
+        let diameter = kind.as_ref().and_then(|_| diameter());
+        kinds.insert(name, kind.zip(diameter));
         table.finish();
     }
     let mut particles = Particles { bodies: Vec::new(), kinds: Vec::new() };
@@ -191,15 +197,23 @@ pub fn particles<'a>(
                 segment.problem_at(place, "particles", format!("\"{name}\""), expected);
             }
         }
+        let diameters: Vec<Option<f64>> = names
+            .iter()
+            .map(|(name, _)| kinds.get(name)?.as_ref().map(|(_, diameter)| *diameter))
+            .collect();
+        let sizes = sizes(&segment, repeat.min(MAX_PARTICLES), &diameters);
+        complete &= sizes.is_some();
+        let sizes = sizes.unwrap_or_default();
         if particles.kinds.len() + repeat.saturating_mul(names.len()) > MAX_PARTICLES {
             let expected = format!("at most {MAX_PARTICLES} particles");
             segment.problem("repeat", "a longer chain", expected);
             complete = false;
         } else {
-            for _ in 0..repeat {
+            for size in (0..repeat).map(|row| sizes.get(row).copied().unwrap_or(1.0)) {
                 for (name, _) in &names {
                     particles.kinds.push(name);
-                    particles.bodies.extend(kinds.get(name).cloned().flatten());
+                    let kind = kinds.get(name).and_then(Option::as_ref);
+                    particles.bodies.extend(kind.map(|(body, _)| body.scaled(size)));
                 }
             }
         }
@@ -298,11 +312,7 @@ pub fn initial_velocities(
     }
     let still = velocities.iter().all(|v| *v == 0.0) && !root.has("striker");
     if still && (all_read || !root.has("initial_velocities")) {
-        root.problem(
-            "initial_velocities",
-            "nothing that moves",
-            "[striker] or [[initial_velocities]]",
-        );
+        root.problem("", "nothing moves: add a [striker] or [[initial_velocities]]", "");
     }
     velocities
 }
@@ -322,18 +332,15 @@ pub fn assemble(
         Ok(built) => Some(built),
         Err(error) => {
             let text = error.to_string();
-            let (found, expected) =
-                text.split_once(", expected ").unwrap_or((&text, "another chain"));
-            let found = found.strip_prefix("found ").unwrap_or(found);
             let key = match error {
                 ChainError::StrikerBehindWall => "top",
                 ChainError::Unbalanced { .. } => "bottom",
                 _ => "segments",
             };
-            let magnet = effects.filter(|_| error.is_of_magnet());
+            let magnet = effects.filter(|_| error.concerns_magnet());
             match magnet.and_then(|effects| effects.table("magnet_preload")) {
-                Some(magnet) => magnet.problem("distance", found, expected),
-                None => chain.problem(key, found, expected),
+                Some(magnet) => magnet.problem("distance", text, ""),
+                None => chain.problem(key, text, ""),
             }
             None
         }

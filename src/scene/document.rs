@@ -113,8 +113,8 @@ impl Node {
             let place = SourceLocation { source: Rc::clone(&source), offset: offset(&error) };
             return Err(vec![place.problem(
                 "",
-                error.message().to_owned(),
-                "valid TOML".to_owned(),
+                format!("not valid TOML: {}", error.message()),
+                String::new(),
             )]);
         }
         let place = SourceLocation { source: Rc::clone(&source), offset: 0 };

@@ -2,7 +2,7 @@
 
 use super::document::Node;
 use super::library;
-use super::problem::{Problem, SceneError, listed};
+use super::problem::{Problem, SceneError, did_you_mean, listed};
 use super::reader::{Bound, Problems, TableReader};
 use crate::magnet::{ForceLaw, ForceTable, Magnet, RingMagnet, Sphere};
 use crate::quantity::Dimension;
@@ -14,7 +14,7 @@ const KINDS: [&str; 3] = ["force", "outer_diameter", "measured"];
 #[derive(Debug, thiserror::Error)]
 pub enum MagnetError {
     /// Neither a shipped magnet nor a file.
-    #[error("found `{name}`, which is neither a file nor one of the magnets shipped, expected one of: {}", shipped.join(", "))]
+    #[error("no magnet or file `{name}`{}; the shipped ones are {}", did_you_mean(name, shipped), shipped.join(", "))]
     Unknown {
         /// The requested name.
         name: String,

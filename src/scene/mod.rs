@@ -22,8 +22,10 @@ pub mod plan;
 pub mod plates;
 pub mod problem;
 pub mod reader;
+pub mod resolved;
 mod sensors;
 mod shot;
+mod taper;
 mod tree;
 mod uncertainty;
 pub mod vary;
@@ -44,6 +46,7 @@ use crate::sensor::SensorTolerance;
 use bench::CachedPanel;
 use bodies::Materials;
 use document::Value;
+use problem::MISSING;
 use reader::{Bound, Problems, TableReader};
 
 /// Accuracy of a scene that names none and whose scope sees no pulse: relative error of first-peak forces and times (1).
@@ -185,6 +188,11 @@ fn read(
     }
     let errors_of = moving.scope_errors.then_some(seed);
     let scope = bench::drawn(&root, (moving.noise, errors_of), duration, panel);
+    let averages = scope.as_ref().is_some_and(|scope| scope.acquisition.depth() > 1);
+    if let (true, Some(table)) = (averages && moving.spread.is_some(), root.table("scope")) {
+        let found = "\"average\" of impacts whose speeds differ";
+        table.problem("acquisition", found, "\"sample\", or no effects.striker_speed_spread");
+    }
     root.finish();
     let (spec, chain) = moving.built?;
     Some(Scene {
@@ -236,7 +244,7 @@ fn moving<'a>(root: &TableReader<'a>, problems: &Problems) -> Moving<'a> {
     let materials = Materials::read(root, problems);
     let striker = bodies::striker(root, &materials);
     if !root.has("chain") {
-        root.problem("chain", "no such table", "[chain] with top, bottom and segments");
+        root.problem("chain", MISSING, "[chain] with top, bottom and segments");
     }
     let table = root.table("chain");
     let mut particles = bodies::particles(root, table.as_ref(), &materials);

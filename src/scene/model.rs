@@ -1,5 +1,6 @@
 //! Parts of an oscilloscope's data file that stand in tables of their own: limits, accuracy, the law of spectra.
 
+use super::problem::MISSING;
 use super::reader::{Bound, TableReader};
 use crate::quantity::{Dimension, parse};
 use crate::scope::model::{Accuracy, FftLaw, KnobLimits};
@@ -11,7 +12,7 @@ fn part<T>(
     read: impl Fn(&TableReader<'_>) -> Option<T>,
 ) -> Option<T> {
     if !table.has(key) {
-        table.problem(key, "no such table", "a table of the oscilloscope's data file");
+        table.problem(key, MISSING, "a table of the oscilloscope's data file");
     }
     let inner = table.table(key)?;
     let value = read(&inner);

@@ -145,7 +145,8 @@ pub fn check_window(
 pub fn check_vertical(table: &TableReader<'_>, model: &Model, knobs: (f64, Option<f64>, f64)) {
     let (probe, scale, position) = knobs;
     if !is_one_of(probe, &model.probes) {
-        table.problem("probe", probe.to_string(), format!("one of {:?}", model.probes));
+        let probes: Vec<String> = model.probes.iter().map(f64::to_string).collect();
+        table.problem("probe", probe.to_string(), format!("one of {}", probes.join(", ")));
     }
     let (low, high) = ends(&model.vertical_scales);
     let beyond = |scale: f64| {

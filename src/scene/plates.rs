@@ -6,9 +6,22 @@ use super::document::Node;
 use super::library;
 use super::problem::SceneError;
 use super::reader::{Bound, Problems, TableReader};
+use crate::data;
 use crate::quantity::Dimension;
 use crate::sensor::{InChain, Load, Sensor, SensorMeasurement, Wiring};
 
+/// Keys of a sensor's own numbers: without any of them, it has no model.
+const PLATE_KEYS: [&str; 9] = [
+    "model",
+    "ceramic",
+    "d33",
+    "relative_permittivity",
+    "side",
+    "thickness",
+    "cable_capacitance",
+    "sensitivity",
+    "tau",
+];
 /// Most plates of a stack.
 const MAX_PLATES: u64 = 1000;
 
@@ -38,6 +51,17 @@ pub fn plate(name: &str, table: &TableReader<'_>, problems: &Problems) -> Option
     let _ = (table.text("source"), table.text("certificate"));
     let measured = measured(table)?;
     let calibrated_host = table.text("calibrated_host");
+    if PLATE_KEYS.iter().all(|key| !table.has(key)) {
+        let known = data::instrument_names("sensors").join("\", \"");
+        let expected = format!(
+            "one of \"{known}\", a file, or the plate's own numbers (hertzscope help scene)"
+        );
+        let _ = table.required_text("model", &expected);
+        for key in PLATE_KEYS.iter().chain(&["plates", "wiring", "leak_resistance"]) {
+            let _ = table.node(key);
+        }
+        return None;
+    }
     let known = measured.time_constant.is_some() && measured.sensitivity.is_some();
     // A circuit that is known whole needs no plate.
     let ceramic = if known && !table.has("ceramic") && !table.has("d33") {

@@ -1,7 +1,7 @@
 //! Problems of a scene with their places, all reported at once.
 
 use std::cell::RefCell;
-use std::fmt;
+use std::fmt::{self, Write as _};
 
 /// The text found where a required key is missing.
 pub(super) const MISSING: &str = "no such key";
@@ -33,6 +33,9 @@ impl fmt::Display for Problem {
         if !key.is_empty() {
             write!(f, "{key}: ")?;
         }
+        if expected.is_empty() {
+            return f.write_str(found);
+        }
         // What is needed stands before the example of it.
         let (needed, example) = expected.split_once(", e.g. ").unwrap_or((expected, ""));
         let example = if example.is_empty() { "" } else { &expected[needed.len()..] };
@@ -48,8 +51,8 @@ impl Problem {
     /// Says where a problem in the base of the scene `file` may come from: what stands there fits the base itself.
     pub(super) fn stands_below(&mut self, file: &str) {
         if self.file != file {
-            let expected = &self.expected;
-            self.expected = format!("{expected} (base of {file}, whose changes may not fit here)");
+            let end = if self.expected.is_empty() { &mut self.found } else { &mut self.expected };
+            let _ = write!(end, " (base of {file}, whose changes may not fit here)");
         }
     }
 }
@@ -74,7 +77,10 @@ pub enum SceneError {
         limit: u64,
     },
     /// Neither an embedded scene nor a file.
-    #[error("found `{name}`, which is neither a file nor one of the scenes shipped, expected one of: {}", shipped.join(", "))]
+    #[error(
+        "no scene or file `{name}`{}; `hertzscope scenes` lists the shipped ones",
+        did_you_mean(name, shipped)
+    )]
     Unknown {
         /// The requested name.
         name: String,
@@ -84,6 +90,14 @@ pub enum SceneError {
     /// The text is wrong in at least one place.
     #[error("{}", list(.0))]
     Problems(Vec<Problem>),
+}
+
+/// What `name` may have been meant for, as the end of a sentence.
+pub(super) fn did_you_mean(name: &str, known: &[&str]) -> String {
+    let distance = |known: &&&str| strsim::damerau_levenshtein(name, known);
+    let near = known.iter().min_by_key(distance);
+    let near = near.filter(|near| 2 * distance(near) <= name.chars().count());
+    near.map(|near| format!(": did you mean `{near}`?")).unwrap_or_default()
 }
 
 fn list(problems: &[Problem]) -> String {

@@ -153,11 +153,11 @@ impl<'a> TableReader<'a> {
                 *value
             }
             Value::Number { typed, value, .. } if value.is_finite() => {
-                let unit = dimension.base_units();
+                let unit = dimension.unit();
                 self.problem(
                     key,
                     format!("the number {typed} without a unit"),
-                    format!("{}, typed like \"{typed} {unit}\"", expected()),
+                    format!("{dimension}{}, typed like \"{typed} {unit}\"", bound.words()),
                 );
                 return None;
             }

@@ -1,12 +1,17 @@
 //! Trigger and digitiser: from signals on a common sample grid to records.
 
-use super::model::Model;
-use super::setup::{ChannelSetup, Setup, Slope, TriggerMode};
+use std::borrow::Cow;
+use std::f64::consts::TAU;
+
+use super::front_end::{high_pass, low_pass};
+use super::setup::{AcquireMode, ChannelSetup, EdgeCoupling, Setup, Slope, TriggerMode};
 use super::waveform::{
     HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE, PointFormat, Preamble, Source, VerticalSetup,
     Waveform,
 };
 
+/// How much larger a crossing must be where small ones are rejected (1).
+const NOISE_REJECT_FACTOR: f64 = 2.0;
 /// Samples of a sinc on either side of a point when a record is denser than the converter's samples.
 const SINC_REACH: i64 = 10;
 
@@ -23,7 +28,7 @@ pub struct TriggerPosition {
 /// reaches for.
 pub fn before_trigger(setup: &Setup) -> usize {
     let (start, _) = setup.record_span();
-    let samples = (-start / setup.model.signal_interval(setup.time_base)).ceil();
+    let samples = (-start / setup.signal_interval()).ceil();
     if samples > 0.0 { samples as usize + SINC_REACH as usize } else { 0 }
 }
 
@@ -42,7 +47,10 @@ pub fn find_trigger(
         Slope::Rise => 1.0,
         Slope::Fall => -1.0,
     };
-    let hysteresis = setup.model.trigger_hysteresis * scale;
+    let coupling = setup.trigger.coupling;
+    let share = if coupling == EdgeCoupling::NoiseReject { NOISE_REJECT_FACTOR } else { 1.0 };
+    let hysteresis = share * setup.model.trigger_hysteresis * scale;
+    let signal = coupled(setup, signal);
     let mut armed = false;
     for (index, volts) in signal.iter().enumerate() {
         let beyond = sign * (volts - setup.trigger.level);
@@ -55,6 +63,22 @@ pub fn find_trigger(
         .then_some(TriggerPosition { index: automatic, crossed: false })
 }
 
+/// The trigger source's signal after the trigger coupling (V).
+fn coupled<'s>(setup: &Setup, signal: &'s [f64]) -> Cow<'s, [f64]> {
+    let model = &setup.model;
+    let ratio = |corner: f64| TAU * corner * setup.signal_interval();
+    match setup.trigger.coupling {
+        EdgeCoupling::Dc | EdgeCoupling::NoiseReject => signal.into(),
+        EdgeCoupling::Ac => high_pass(signal, ratio(model.ac_corner)).into(),
+        EdgeCoupling::LowFrequencyReject => {
+            high_pass(signal, ratio(model.low_frequency_reject)).into()
+        }
+        EdgeCoupling::HighFrequencyReject => {
+            low_pass(signal, ratio(model.high_frequency_reject)).into()
+        }
+    }
+}
+
 /// The converter's level for a voltage (V).
 pub fn level(vertical: &VerticalSetup, volts: f64) -> i16 {
     let y_mult = vertical.scale / LEVELS_PER_DIVISION;
@@ -63,7 +87,7 @@ pub fn level(vertical: &VerticalSetup, volts: f64) -> i16 {
 }
 
 /// The record of one channel around the trigger sample `trigger` of its conditioned `signal` (V), whose samples come
-/// every `setup.model.signal_interval`. Points beyond the signal hold its nearest sample.
+/// every [`Setup::signal_interval`]. Points beyond the signal hold its nearest sample.
 pub fn digitise(
     setup: &Setup,
     source: Source,
@@ -75,8 +99,8 @@ pub fn digitise(
     let interval = model.interval(setup.time_base);
     let trigger_point = setup.trigger_point();
     let vertical = channel.vertical;
-    let codes = points(model, setup.time_base, signal, trigger, trigger_point);
-    Waveform {
+    let codes = points(setup, signal, trigger);
+    let record = Waveform {
         source,
         codes: codes.into_iter().map(|volts| level(&vertical, volts)).collect(),
         preamble: Preamble {
@@ -93,26 +117,63 @@ pub fn digitise(
         vertical,
         horizontal_scale: setup.time_base,
         trigger_point,
+    };
+    if setup.acquisition.mode == AcquireMode::PeakDetect {
+        envelope(record, setup, signal, trigger)
+    } else {
+        record
+    }
+}
+
+/// The record in peak-detect mode: lowest and highest sample of each two intervals in turn.
+fn envelope(mut record: Waveform, setup: &Setup, signal: &[f64], trigger: usize) -> Waveform {
+    record.preamble.pt_fmt = PointFormat::Envelope;
+    let step = record.preamble.x_incr / setup.signal_interval();
+    let vertical = record.vertical;
+    let last = signal.len().saturating_sub(1);
+    let place = |n: usize| {
+        (((n as f64 - record.trigger_point) * step + trigger as f64).round() as usize).min(last)
+    };
+    for (pair, points) in record.codes.chunks_exact_mut(2).enumerate() {
+        let (from, to) = (place(2 * pair), place(2 * pair + 2));
+        let window = signal.get(from..to.max(from + 1)).unwrap_or_default();
+        let low = window.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = window.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        if let [first, second] = points
+            && low <= high
+        {
+            (*first, *second) = (level(&vertical, low), level(&vertical, high));
+        }
+    }
+    record
+}
+
+/// Folds record `number` (counted from 1) of an average of up to `depth` into the mean of those before, in levels.
+pub fn fold_average(mean: &mut Vec<f64>, record: &mut Waveform, number: u32, depth: u32) {
+    if mean.len() != record.codes.len() || number <= 1 {
+        *mean = record.codes.iter().map(|code| f64::from(*code)).collect();
+        return;
+    }
+    let weight = 1.0 / f64::from(number.min(depth).max(1));
+    for (mean, code) in mean.iter_mut().zip(&mut record.codes) {
+        *mean += weight * (f64::from(*code) - *mean);
+        let level = mean.round() as i16;
+        *code = level;
     }
 }
 
 /// The conditioned `signal` (V) at the record's points around its trigger sample, before the converter rounds it (V).
 pub fn volts_at_points(setup: &Setup, signal: &[f64], trigger: usize) -> Vec<f64> {
-    points(&setup.model, setup.time_base, signal, trigger, setup.trigger_point())
+    points(setup, signal, trigger)
 }
 
 /// Volts at the record's points: samples of the signal, or a windowed sin(x)/x between them where the record is denser
 /// than the converter's fastest rate.
-fn points(
-    model: &Model,
-    time_base: f64,
-    signal: &[f64],
-    trigger: usize,
-    trigger_point: f64,
-) -> Vec<f64> {
+fn points(setup: &Setup, signal: &[f64], trigger: usize) -> Vec<f64> {
+    let (model, trigger_point) = (&setup.model, setup.trigger_point());
     let last = signal.len().saturating_sub(1) as i64;
     let sample = |index: i64| signal.get(index.clamp(0, last) as usize).copied().unwrap_or(0.0);
-    let density = model.signal_interval(time_base) / model.interval(time_base);
+    let density = setup.signal_interval() / model.interval(setup.time_base);
     let point = |n: usize| {
         let place = (n as f64 - trigger_point) / density + trigger as f64;
         let nearest = place.round();

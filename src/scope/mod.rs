@@ -12,5 +12,8 @@ pub mod setup;
 pub mod waveform;
 
 pub use model::Model;
-pub use setup::{ChannelSetup, Deviation, Setup, Slope, Trigger, TriggerMode, TriggerSource};
+pub use setup::{
+    AcquireMode, AcquireSetup, ChannelSetup, Deviation, EdgeCoupling, Setup, Slope, Trigger,
+    TriggerMode, TriggerSource,
+};
 pub use waveform::{Coupling, PointFormat, Preamble, Source, VerticalSetup, Waveform};

@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 
-use super::setup::{Setup, Slope, TriggerMode};
+use super::setup::{AcquireMode, EdgeCoupling, Setup, Slope, TriggerMode};
 use super::waveform::{Coupling, PointFormat, Source, Waveform};
 
 /// A number as the instrument writes it (NR3): shortest mantissa with at least one decimal, `5.0E-1`, `1.0E0`.
@@ -43,7 +43,13 @@ pub fn waveform_id(waveform: &Waveform, number: fn(f64) -> String, mode: &str) -
 /// The settings that this program models, in the order of a `.SET` file.
 pub fn set_up_text(setup: &Setup) -> String {
     let on_off = |flag: bool| if flag { "ON" } else { "OFF" };
-    let mut text = ":ACQUIRE:MODE SAMPLE;NUMAVG 16;STATE 0;STOPAFTER SEQUENCE".to_owned();
+    let mode = match setup.acquisition.mode {
+        AcquireMode::Sample => "SAMPLE",
+        AcquireMode::PeakDetect => "PEAKDETECT",
+        AcquireMode::Average => "AVERAGE",
+    };
+    let averages = setup.acquisition.averages;
+    let mut text = format!(":ACQUIRE:MODE {mode};NUMAVG {averages};STATE 0;STOPAFTER SEQUENCE");
     let mut select = String::new();
     for (number, channel) in (1..).zip(&setup.channels) {
         let on = u8::from(channel.is_some());
@@ -70,10 +76,17 @@ pub fn set_up_text(setup: &Setup) -> String {
         Slope::Rise => "RISE",
         Slope::Fall => "FALL",
     };
+    let coupling = match trigger.coupling {
+        EdgeCoupling::Dc => "DC",
+        EdgeCoupling::Ac => "AC",
+        EdgeCoupling::HighFrequencyReject => "HFREJ",
+        EdgeCoupling::LowFrequencyReject => "LFREJ",
+        EdgeCoupling::NoiseReject => "NOISEREJ",
+    };
     let _ = write!(
         text,
         ";:HORIZONTAL:VIEW MAIN;MAIN:SCALE {};POSITION {};:TRIGGER:MAIN:MODE {mode};TYPE EDGE;\
-         :TRIGGER:MAIN:EDGE:SOURCE {};COUPLING DC;SLOPE {slope};:TRIGGER:MAIN:LEVEL {};:SELECT:{select}",
+         :TRIGGER:MAIN:EDGE:SOURCE {};COUPLING {coupling};SLOPE {slope};:TRIGGER:MAIN:LEVEL {};:SELECT:{select}",
         nr3(setup.time_base),
         nr3(setup.horizontal_position),
         trigger.source,

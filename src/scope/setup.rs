@@ -112,6 +112,59 @@ impl fmt::Display for TriggerSource {
     }
 }
 
+/// Coupling of the edge trigger.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum EdgeCoupling {
+    /// Nothing is left out.
+    Dc,
+    /// The mean is left out.
+    Ac,
+    /// High frequencies are left out.
+    HighFrequencyReject,
+    /// Low frequencies are left out.
+    LowFrequencyReject,
+    /// Crossings must be twice as large.
+    NoiseReject,
+}
+
+/// Acquisition mode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum AcquireMode {
+    /// The first sample of each interval.
+    Sample,
+    /// Lowest and highest sample of each two intervals.
+    PeakDetect,
+    /// The mean of several records.
+    Average,
+}
+
+/// How records are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct AcquireSetup {
+    /// Sample, peak detect or average.
+    pub mode: AcquireMode,
+    /// Records in an average.
+    pub averages: u32,
+}
+
+impl AcquireSetup {
+    /// Records that make one: one, unless they are averaged.
+    pub fn depth(self) -> u32 {
+        if self.mode == AcquireMode::Average { self.averages.max(1) } else { 1 }
+    }
+}
+
+impl Default for AcquireSetup {
+    fn default() -> Self {
+        Self { mode: AcquireMode::Sample, averages: 16 }
+    }
+}
+
+/// Part of the shortest pulse between samples that still shows nearly all of its height (1).
+const SHARE_OF_PEAK: f64 = 0.25;
+/// Most samples that peak detection looks at for one point.
+const MAX_SAMPLES_PER_POINT: f64 = 100.0;
+
 /// The edge trigger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trigger {
@@ -123,6 +176,10 @@ pub struct Trigger {
     pub slope: Slope,
     /// Auto or normal.
     pub mode: TriggerMode,
+    /// Coupling.
+    pub coupling: EdgeCoupling,
+    /// Time after a trigger in which no other is taken (s).
+    pub holdoff: f64,
 }
 
 /// The whole front panel.
@@ -140,6 +197,8 @@ pub struct Setup {
     pub horizontal_position: f64,
     /// The trigger.
     pub trigger: Trigger,
+    /// How records are taken.
+    pub acquisition: AcquireSetup,
     /// Noise of the front end, root mean square; 0 is off (div).
     pub noise: f64,
 }
@@ -148,6 +207,17 @@ impl Setup {
     /// Index of the trigger in the record, possibly outside it: `1250 - position/interval` on this family (1).
     pub fn trigger_point(&self) -> f64 {
         self.model.trigger_point(self.time_base, self.horizontal_position)
+    }
+
+    /// Time between samples of the signal: close enough for circuits and trigger, or in peak detection close enough to keep the shortest
+    /// pulse, as far as memory allows (s).
+    pub fn signal_interval(&self) -> f64 {
+        if self.acquisition.mode != AcquireMode::PeakDetect {
+            return self.model.signal_interval(self.time_base);
+        }
+        let slow = self.model.sample_interval(self.time_base);
+        let dense = (SHARE_OF_PEAK * self.model.peak_width).max(1.0 / self.model.sample_rate);
+        slow / (slow / dense).floor().clamp(1.0, MAX_SAMPLES_PER_POINT)
     }
 
     /// First and last time of the record after the trigger (s).

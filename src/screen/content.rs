@@ -1,13 +1,11 @@
 //! Contents of the screen, as data.
 
 use crate::instrument::acquisition::State;
-use crate::instrument::panel::{
-    AcquireMode, CursorFunction, DisplayFormat, DisplayStyle, TriggerType, View,
-};
+use crate::instrument::panel::{CursorFunction, DisplayFormat, DisplayStyle, TriggerType, View};
 use crate::instrument::word::Word as _;
 use crate::instrument::{Instrument, Panel};
 use crate::recording::Capture;
-use crate::scope::{Slope, Source, TriggerSource, Waveform};
+use crate::scope::{AcquireMode, Slope, Source, TriggerSource, Waveform};
 
 /// Everything that a picture of the screen shows.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -1,14 +1,14 @@
 //! The piezo sensor: force to charge to voltage.
 //!
-//! Stands between `chain`, which tells the force inside the host, and `scope`, which sees a voltage. A plate with
-//! piezoelectric coefficient `d33` turns a force change `N` into the charge `d33 N` on the capacitance `C` of plate,
+//! Input: the axial force in the host (the particle or wall that holds the plate), from `chain`. Output: the voltage at the input of
+//! `scope`. A plate with piezoelectric coefficient `d33` turns a force `F` into the charge `d33 F` on the capacitance `C` of plate,
 //! cable and scope input, which leaks through the resistance `R` of plate and scope input:
-//! `V' + V/tau = (d33/C) N'`, `tau = R C`. So a static force is invisible and every pulse droops.
+//! `V' + V/tau = (d33/C) F'`, `tau = R C`. So a static force is invisible and every pulse droops.
 //! Source: the charge equation of a thickness-poled plate (IEEE Std 176-1987), lumped circuit; valid far below the
 //! plate's own resonance (MHz) and while the plate takes the host's whole axial force.
 //!
 //! Several plates on top of each other feel the same force. Wired in parallel they give `n d33` on `n` times the capacitance,
-//! in series `d33` on one `n`-th of it. A circuit that was measured, by [`SensorMeasurement`], outranks what follows from the plate.
+//! in series `d33` on one `n`-th of it. Measured values in [`SensorMeasurement`] replace those computed from the plate.
 
 mod tolerance;
 
@@ -46,11 +46,11 @@ pub struct SensorMeasurement {
     pub time_constant_u: Option<f64>,
     /// The input it was measured with; without one it holds for any.
     pub load: Option<Load>,
-    /// The scope's channel that it was calibrated with as one chain; none for the sensor alone.
+    /// The scope channel whose gain is part of this sensitivity; none if the sensor alone was calibrated.
     pub chain: Option<InChain>,
 }
 
-/// The channel that a sensor was calibrated with as one: its gain is in the sensitivity.
+/// A scope channel that a sensor was calibrated together with: its gain is in the sensitivity.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct InChain {
     /// Number of the channel, from 1.
@@ -151,13 +151,15 @@ impl Sensor {
 
     /// The circuit that this sensor forms with `load`.
     ///
-    /// A measurement with another load is converted: charge and the sensor's capacitance stay, those of the inputs are exchanged.
+    /// Values measured with another input are converted: charge per force and capacitance of sensor and cable are kept, resistance and
+    /// capacitance of the input are replaced.
     pub fn connect(&self, load: Load) -> Circuit {
         let with = self.measured.load.unwrap_or(load);
-        let derived = self.stack_capacitance() + self.cable_capacitance + with.capacitance;
-        let before = self.measured.time_constant.map_or(derived, |tau| tau / self.parallel(with));
-        let charge = self.measured.sensitivity.map_or(self.stack_charge(), |s| s * before);
-        let capacitance = before + (load.capacitance - with.capacitance);
+        let computed = self.stack_capacitance() + self.cable_capacitance + with.capacitance;
+        let measured =
+            self.measured.time_constant.map_or(computed, |tau| tau / self.parallel(with));
+        let charge = self.measured.sensitivity.map_or(self.stack_charge(), |s| s * measured);
+        let capacitance = measured + (load.capacitance - with.capacitance);
         Circuit {
             sensitivity: charge / capacitance,
             time_constant: self.parallel(load) * capacitance,
@@ -171,9 +173,9 @@ impl Sensor {
 }
 
 impl Circuit {
-    /// Voltage at the sample times of `force`, exact where the force runs straight between samples.
+    /// Voltage at the sample times of `force`, exact for a force that is linear between samples.
     ///
-    /// `V[n] = a V[n-1] + S (1-a) tau/dt (N[n] - N[n-1])`, `a = exp(-dt/tau)`; the circuit starts discharged.
+    /// `V[n] = a V[n-1] + S (1-a) tau/dt (F[n] - F[n-1])`, `a = exp(-dt/tau)`; the circuit starts discharged.
     pub fn respond(&self, force: &Trace) -> Trace {
         let ratio = force.interval / self.time_constant;
         let kept = (-ratio).exp();

@@ -376,7 +376,7 @@ impl InstrumentTask {
             let caught = self
                 .caught
                 .take_if(|caught| finished.trigger.is_some_and(|t| t.shot == caught.shot));
-            recorder.captures(finished, caught, &mut self.sessions.instrument);
+            recorder.add_acquisition(finished, caught, &mut self.sessions.instrument);
         }
         recorder.flush_if_due()
     }

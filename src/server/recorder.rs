@@ -14,18 +14,18 @@ use crate::scene::Scene;
 use crate::scope::{Source, Waveform};
 use crate::scpi::{Preferences, Reply, Session, TranscriptLine};
 
-/// Lines are with the operating system after this time.
-const FLUSH: Duration = Duration::from_secs(1);
+/// Messages are flushed at the latest after this time.
+const FLUSH_INTERVAL: Duration = Duration::from_secs(1);
 
 /// A shot that the scope triggered on.
 pub struct TriggeredShot {
-    /// Its number.
+    /// Number of the impact.
     pub shot: u32,
     /// Its ground truth.
     pub truth: GroundTruth,
-    /// The bench that was struck.
+    /// The scene of the bench that was struck.
     pub scene: Arc<Scene>,
-    /// Whether that is the one that is served.
+    /// Whether that is the scene that the server was started with.
     pub is_served: bool,
 }
 
@@ -33,7 +33,7 @@ pub struct TriggeredShot {
 pub struct Recorder {
     writer: RecordingWriter,
     opened: Instant,
-    /// Nanoseconds since 1970 at `opened`.
+    /// Unix time at `opened` (ns).
     began: u64,
     /// When lines were last handed to the operating system, if any came since.
     unflushed: Option<Instant>,
@@ -44,7 +44,7 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Goes on writing what `writer` has begun, with the scene that is served.
+    /// Takes over an open writer; `served` is the scene that the server was started with.
     pub fn new(writer: RecordingWriter, served: &Scene) -> Self {
         let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
         let began = since_1970.map_or(0, nanoseconds);
@@ -70,13 +70,13 @@ impl Recorder {
             };
             let line = ScpiLine { timestamp_ns, peer: peer.to_owned(), direction, bytes };
             let written = self.writer.add_line(&line);
-            self.note(written);
+            self.keep_first_error(written);
             self.unflushed.get_or_insert_with(Instant::now);
         }
     }
 
-    /// Writes down the records of an acquisition, and what the bench knows of the shot behind them.
-    pub fn captures(
+    /// Writes one acquisition and, where an impact triggered it, the simulated truth of the impact.
+    pub fn add_acquisition(
         &mut self,
         finished: Finished,
         caught: Option<TriggeredShot>,
@@ -93,7 +93,7 @@ impl Recorder {
             |waveform| Capture { waveform, instrument: Some(taken_by.clone()), notes: Vec::new() };
         let cause = match (&caught, finished.trigger) {
             (Some(caught), _) => {
-                self.another_bench(caught);
+                self.attach_other_scene(caught);
                 let TriggeredShot { shot, scene, .. } = caught;
                 format!("shot {}: impact {shot} on {}", self.shots, scene.name)
             }
@@ -101,7 +101,7 @@ impl Recorder {
             (None, None) => format!("shot {}: not triggered by an impact", self.shots),
         };
         let truth = caught.map(|caught| caught.truth);
-        // As the scope saves all that it displays: the math trace of these records, and the references.
+        // The scope also saves the displayed math and reference traces.
         let others = [Source::Math].into_iter().chain(('A'..='D').map(Source::Reference));
         let others: Vec<Waveform> = others
             .filter_map(|source| Some(instrument.waveform(source).ok()?.into_owned()))
@@ -120,12 +120,12 @@ impl Recorder {
         let set_up = set_up_of(instrument);
         let notes = ShotNotes { set_up, energy: None, log: vec![(false, cause)] };
         let written = self.writer.add(&shot, &notes);
-        self.note(written);
+        self.keep_first_error(written);
         self.unflushed = None;
     }
 
-    /// Tells of a bench that is not the one that the recording's own facts describe.
-    fn another_bench(&mut self, caught: &TriggeredShot) {
+    /// Attaches the scene and its metadata if it is not the one that the server was started with.
+    fn attach_other_scene(&mut self, caught: &TriggeredShot) {
         let TriggeredShot { shot, scene, is_served, .. } = caught;
         if *is_served {
             return;
@@ -133,10 +133,10 @@ impl Recorder {
         if !self.attached.contains(&scene.name) {
             self.attached.push(scene.name.clone());
             let written = self.writer.attach(&scene_attachment(scene));
-            self.note(written);
+            self.keep_first_error(written);
         }
         let written = self.writer.add_facts(&shot_facts(scene, self.shots, *shot));
-        self.note(written);
+        self.keep_first_error(written);
     }
 
     /// Hands lines to the operating system when it is time for it.
@@ -144,9 +144,9 @@ impl Recorder {
     /// # Errors
     /// [`ServeError::Record`] where something could not be written since the last call.
     pub fn flush_if_due(&mut self) -> Result<(), ServeError> {
-        if self.unflushed.is_some_and(|since| since.elapsed() >= FLUSH) {
+        if self.unflushed.is_some_and(|since| since.elapsed() >= FLUSH_INTERVAL) {
             let written = self.writer.flush();
-            self.note(written);
+            self.keep_first_error(written);
             self.unflushed = None;
         }
         self.failed.take().map_or(Ok(()), |reason| Err(ServeError::Record { reason }))
@@ -157,10 +157,12 @@ impl Recorder {
     /// # Errors
     /// [`ServeError::Record`] where it could not be written.
     pub fn finish(self) -> Result<(), ServeError> {
-        self.writer.finish().map(|_| ()).map_err(|reason| ServeError::Record { reason })
+        let written = self.writer.finish().map(|_| ());
+        // What failed first is the cause.
+        self.failed.map_or(written, Err).map_err(|reason| ServeError::Record { reason })
     }
 
-    fn note(&mut self, written: Result<(), WriteError>) {
+    fn keep_first_error(&mut self, written: Result<(), WriteError>) {
         if let Err(reason) = written {
             self.failed.get_or_insert(reason);
         }
@@ -171,7 +173,7 @@ impl Recorder {
     }
 }
 
-/// The whole front panel as `SET?` tells it.
+/// All front-panel settings, as `SET?` returns them.
 fn set_up_of(instrument: &mut Instrument) -> String {
     let mut session = Session::new(Preferences::new(true));
     match session.receive(instrument, b"SET?\n") {

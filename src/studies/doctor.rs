@@ -65,7 +65,7 @@ fn shipped() -> Check {
     } else {
         format!("cannot be read: {}", wrong.join(", "))
     };
-    Check { what: "what ships".to_owned(), good, found }
+    Check { what: "shipped files".to_owned(), good, found }
 }
 
 /// Holds a run against the golden.
@@ -81,7 +81,9 @@ fn held(what: String, readout: Option<Readout>) -> Check {
         })
     };
     let worst = peaks.iter().zip(&GOLDEN).map(off).fold(0.0, f64::max);
-    let found = format!("{SCENE} is {worst:.0e} off, expected at most {ACCURACY:e}");
+    let found = format!(
+        "{SCENE}: largest relative difference from the reference {worst:.0e} (limit {ACCURACY:e})"
+    );
     Check { what, good: worst <= ACCURACY, found }
 }
 

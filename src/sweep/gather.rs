@@ -1,4 +1,4 @@
-//! Joins the logs of a sweep's shards into tables, and says what is missing.
+//! Joins the logs of a sweep's shards into tables, and lists missing runs.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry as Slot;
@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::log::{LogHeader, LoggedRun, Scan, logs, scan};
+use super::plan::Column;
 use super::row::cells;
 use super::table::TableWriter;
 use super::work::RunCounts;
@@ -19,13 +20,13 @@ use super::{SweepError, at};
 pub struct GatheredLogs {
     header: LogHeader,
     files: Vec<PathBuf>,
-    /// For each finished run the log that it stands in, and where.
+    /// For each finished run: index of its log, and its place in it.
     found: BTreeMap<u64, (u32, LoggedRun)>,
     /// Notes for the user.
     pub notices: Vec<String>,
 }
 
-/// Runs that are missing, from the first to the last of a row.
+/// A range of consecutive missing runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Gap {
     /// Its first run.
@@ -38,22 +39,22 @@ impl GatheredLogs {
     /// Reads all logs in `folder`.
     ///
     /// # Errors
-    /// [`SweepError`] where there is none, where they are of several sweeps, or where a run has two different results.
+    /// [`SweepError`] if there is no log, if the logs belong to different sweeps, or if two logs disagree on a run.
     pub fn read(folder: &Path) -> Result<Self, SweepError> {
-        let nothing = || SweepError::NothingThere { folder: folder.display().to_string() };
+        let no_logs = || SweepError::NothingThere { folder: folder.display().to_string() };
         if !folder.is_dir() {
-            return Err(nothing());
+            return Err(no_logs());
         }
         let mut all: Option<Self> = None;
         for file in logs(folder)? {
             let Some(scan) = scan(&file)? else { continue };
-            let all = all.get_or_insert_with(|| Self::begin(&scan.header));
+            let all = all.get_or_insert_with(|| Self::empty(&scan.header));
             all.add(&scan)?;
         }
-        all.ok_or_else(nothing)
+        all.ok_or_else(no_logs)
     }
 
-    fn begin(header: &LogHeader) -> Self {
+    fn empty(header: &LogHeader) -> Self {
         let header = header.clone();
         Self { header, files: Vec::new(), found: BTreeMap::new(), notices: Vec::new() }
     }
@@ -94,6 +95,11 @@ impl GatheredLogs {
     /// Runs of the whole sweep.
     pub fn runs(&self) -> u64 {
         self.header.runs
+    }
+
+    /// Columns of the sweep's table.
+    pub fn columns(&self) -> &[Column] {
+        &self.header.columns
     }
 
     /// The logs that were read.

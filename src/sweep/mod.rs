@@ -108,6 +108,14 @@ pub enum SweepError {
         /// The value expected.
         expected: &'static str,
     },
+    /// A file that is no table of the sweep, where that would be written.
+    #[error(
+        "{file}: exists already and is no table of this sweep: name another with -o, or replace it with --force"
+    )]
+    Exists {
+        /// The file.
+        file: String,
+    },
     /// A table's file whose name does not tell its format.
     #[error("{file}: found no .csv, .jsonl or .parquet at the end, expected one of them")]
     Format {

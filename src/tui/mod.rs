@@ -28,7 +28,7 @@ use crate::recording::TraceSet;
 use crate::recording::mcap::indexed_recording::IndexedRecording;
 use model::{Action, Palette, ScreenState};
 use work::served::ServedConnection;
-use work::{ScreenEvent, Workers};
+use work::{NoteOption, ScreenEvent, Workers};
 
 /// A picture is at most so much older than the first event that changed it.
 const MAX_FRAME_DELAY: Duration = Duration::from_millis(33);
@@ -45,14 +45,20 @@ pub enum ViewSource {
     Served(Box<ServedConnection>),
 }
 
-/// Shows `subject` under the name `title` until the user quits, held against `against` if that is there.
+/// Shows `subject` under the name `title` until the user quits, held against `against` if that is there; `note_option` does what the
+/// commands say of the bench.
 ///
 /// Takes over the terminal and gives it back, after a panic too. Colours are left out where the environment
 /// variable `NO_COLOR` is set and not empty.
 ///
 /// # Errors
 /// When the terminal cannot be set up, read or written.
-pub fn run(subject: ViewSource, title: String, against: Option<String>) -> io::Result<()> {
+pub fn run(
+    subject: ViewSource,
+    title: String,
+    against: Option<String>,
+    note_option: NoteOption,
+) -> io::Result<()> {
     let plain = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
     let palette = if plain { Palette::Plain } else { Palette::Colour };
     let (mut tape, mut scope, mut is_followed) = (None, None, false);
@@ -77,6 +83,7 @@ pub fn run(subject: ViewSource, title: String, against: Option<String>) -> io::R
         if let Some(scope) = scope {
             staff.watch(scope);
         }
+        staff.note_with(note_option);
         staff.listen();
         show(terminal, &mut model, &staff, &news)
     })

@@ -1,4 +1,4 @@
-//! Checks which module uses which, that type names are unique, that numbers have units, how long files are, and the README's list of folders.
+//! Checks which module uses which, that type names are unique, that numbers have units, how long files are, and ARCHITECTURE.md's list of folders.
 //!
 //! `ARCHITECTURE.md` names what is allowed; this test reads it there, so that the document cannot
 //! drift away from the code. Each rule is a function from sources to violations, and each is shown
@@ -9,10 +9,10 @@
 
 mod circles;
 mod dependencies;
+mod folders;
 mod named;
 mod names;
 mod paths;
-mod readme;
 mod sizes;
 mod source;
 mod table;
@@ -98,10 +98,10 @@ fn files_and_functions_keep_their_size() {
 }
 
 #[test]
-fn every_folder_in_the_readme_exists() {
-    match read("README.md") {
+fn every_folder_in_the_list_exists() {
+    match read("ARCHITECTURE.md") {
         Ok(text) => {
-            refuse(readme::check("README.md", &text, |folder| root().join(folder).is_dir()));
+            refuse(folders::check("ARCHITECTURE.md", &text, |folder| root().join(folder).is_dir()));
         }
         Err(violation) => refuse(vec![violation]),
     }

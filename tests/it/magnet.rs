@@ -230,7 +230,7 @@ fn hertzscope(arguments: &[&str]) -> Command {
 fn the_command_answers() {
     let folder = tempfile::tempdir().expect("a folder");
     let picture = folder.path().join("magnet.svg").display().to_string();
-    let output = hertzscope(&["magnet", "--force", "2.38N", "--json", "--plot", &picture])
+    let output = hertzscope(&["magnet", "--preload", "2.38N", "--json", "--plot", &picture])
         .assert()
         .success()
         .get_output()
@@ -243,9 +243,9 @@ fn the_command_answers() {
     let page = hertzscope(&["magnet", "ring-12-6-6", "--distance", "-0.1mm"]).assert().success();
     let page = String::from_utf8_lossy(&page.get_output().stdout).into_owned();
     assert!(page.contains("-100.0 µm"), "{page}");
-    let strong = hertzscope(&["magnet", "--force", "100N"]).assert().success();
+    let strong = hertzscope(&["magnet", "--preload", "100N"]).assert().success();
     let strong = String::from_utf8_lossy(&strong.get_output().stdout).into_owned();
     assert!(strong.contains("is not reached"), "{strong}");
     hertzscope(&["magnet", "no-such"]).assert().code(2);
-    hertzscope(&["magnet", "--force", "2 mm"]).assert().code(2);
+    hertzscope(&["magnet", "--preload", "2 mm"]).assert().code(2);
 }

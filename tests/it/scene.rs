@@ -1,5 +1,6 @@
 //! From text to a bench or to the list of everything wrong with it: every kind of mistake, at its place.
 
+mod acquired;
 mod adjusted;
 mod files;
 mod losses;
@@ -7,6 +8,8 @@ mod materials;
 mod mistakes;
 mod mutated;
 mod scope;
+mod shown;
+mod tapered;
 mod together;
 
 use std::path::Path;

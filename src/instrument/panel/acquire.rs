@@ -1,18 +1,9 @@
 //! How records are taken.
 
 use crate::instrument::word::words;
+use crate::scope::{AcquireMode, AcquireSetup};
 
 words! {
-    /// Acquisition mode.
-    AcquireMode {
-        /// The first sample of each interval.
-        Sample = "SAMple",
-        /// Lowest and highest sample of each two intervals.
-        PeakDetect = "PEAKdetect",
-        /// The mean of several records.
-        Average = "AVErage",
-    }
-
     /// Condition that ends an acquisition.
     StopAfter {
         /// The RUN/STOP key.
@@ -36,12 +27,18 @@ pub struct Acquire {
 impl Acquire {
     /// Records that make one: one, unless they are averaged.
     pub fn depth(&self) -> u32 {
-        if self.mode == AcquireMode::Average { self.averages.max(1) } else { 1 }
+        self.scope().depth()
+    }
+
+    /// The part that front end and digitiser take.
+    pub fn scope(&self) -> AcquireSetup {
+        AcquireSetup { mode: self.mode, averages: self.averages }
     }
 }
 
 impl Default for Acquire {
     fn default() -> Self {
-        Self { mode: AcquireMode::Sample, averages: 16, stop_after: StopAfter::RunStop }
+        let AcquireSetup { mode, averages } = AcquireSetup::default();
+        Self { mode, averages, stop_after: StopAfter::RunStop }
     }
 }

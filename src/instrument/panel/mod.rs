@@ -9,20 +9,21 @@ mod measurement;
 mod trigger;
 mod vertical;
 
-pub use acquire::{Acquire, AcquireMode, StopAfter};
+pub use acquire::{Acquire, StopAfter};
 pub use cursor::{BarUnits, Cursor, CursorFunction};
 pub use display::{Display, DisplayFormat, DisplayStyle, HardCopy, HardCopyFormat, Layout, Port};
 pub use horizontal::{Horizontal, View};
 pub use math::{FftWindow, Math, MathFunction};
 pub use measurement::{Measurement, MeasurementType};
 pub use trigger::{
-    EdgeCoupling, Polarity, PulsePolarity, PulseWhen, TriggerPanel, TriggerType, VideoStandard,
-    VideoSync,
+    Polarity, PulsePolarity, PulseWhen, TriggerPanel, TriggerType, VideoStandard, VideoSync,
 };
 pub use vertical::Channel;
 
 use super::limits;
-use crate::scope::{ChannelSetup, Deviation, Model, Setup, Source, Trigger, VerticalSetup};
+use crate::scope::{
+    AcquireSetup, ChannelSetup, Deviation, Model, Setup, Source, Trigger, VerticalSetup,
+};
 
 /// Every setting of the front panel.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,8 +93,11 @@ impl Panel {
         }
         panel.horizontal.scale = setup.time_base;
         panel.horizontal.position = setup.horizontal_position;
-        let Trigger { source, level, slope, mode } = setup.trigger;
-        panel.trigger = TriggerPanel { mode, source, level, slope, ..panel.trigger };
+        let Trigger { source, level, slope, mode, coupling, holdoff } = setup.trigger;
+        panel.trigger =
+            TriggerPanel { mode, source, holdoff, level, slope, coupling, ..panel.trigger };
+        let AcquireSetup { mode, averages } = setup.acquisition;
+        panel.acquire = Acquire { mode, averages, ..panel.acquire };
         panel
     }
 
@@ -205,7 +209,10 @@ impl Panel {
                 level: self.trigger.level,
                 slope: self.trigger.slope,
                 mode: self.trigger.mode,
+                coupling: self.trigger.coupling,
+                holdoff: self.trigger.holdoff,
             },
+            acquisition: self.acquire.scope(),
             noise: 0.0,
         }
     }

@@ -1,7 +1,7 @@
 //! Settings of the trigger.
 
 use crate::instrument::word::words;
-use crate::scope::{Slope, TriggerMode, TriggerSource};
+use crate::scope::{EdgeCoupling, Slope, TriggerMode, TriggerSource};
 
 words! {
     /// Type of the trigger.
@@ -12,20 +12,6 @@ words! {
         Video = "VIDeo",
         /// A pulse of a certain width.
         Pulse = "PULse",
-    }
-
-    /// Coupling of the edge trigger.
-    EdgeCoupling {
-        /// Nothing.
-        Dc = "DC",
-        /// The mean.
-        Ac = "AC",
-        /// High frequencies.
-        HighFrequencyReject = "HFRej",
-        /// Low frequencies.
-        LowFrequencyReject = "LFRej",
-        /// Small crossings.
-        NoiseReject = "NOISErej",
     }
 
     /// Part of a video signal that triggers.

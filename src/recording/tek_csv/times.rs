@@ -104,7 +104,7 @@ impl EvenTimes {
             None if stated.interval.is_some() => {}
             None => notes.push(format!(
                 "trigger point {} taken from the time that is zero: not given in a header",
-                self.trigger_point
+                (1e3 * self.trigger_point).round() / 1e3
             )),
             Some(stated) if stated.to_bits() != self.trigger_point.to_bits() => {
                 notes.push(format!(

@@ -176,10 +176,10 @@ impl UnscaledImport {
                 format!("{instead}levels {step} apart are taken from the gaps between the values")
             }
             LevelSource::Digits => format!(
-                "{instead}the digitiser's levels do not follow from them; they are kept as printed, in steps of {step}"
+                "{instead}no levels of a digitiser show in the values: kept as printed, in steps of {step}"
             ),
             LevelSource::Rounded(error) => format!(
-                "{instead}the digitiser's levels do not follow from them; they are kept in 16 bits, in steps of {step}, with an error of at most {}",
+                "{instead}no levels of a digitiser show in the values: kept in 16 bits, in steps of {step}, within {}",
                 engineering(error, unit, 2)
             ),
         };

@@ -17,7 +17,7 @@ use std::path::Path;
 use self::design::{Factor, Sample};
 use super::document::{Node, Value};
 use super::files::read_text;
-use super::problem::{Problem, SceneError, listed};
+use super::problem::{MISSING, Problem, SceneError, listed};
 use super::reader::{Bound, Problems, TableReader};
 use super::{LOOSEST_ACCURACY, MAX_SEED, TIGHTEST_ACCURACY};
 use crate::quantity::Dimension;
@@ -171,7 +171,7 @@ fn sample(root: &TableReader<'_>, problems: &Problems) -> Option<Sample> {
     let count = table.required_count("count", 1, MAX_RUNS);
     let mut over = Vec::new();
     if !table.has("over") {
-        table.problem("over", "no such table", format!("[{key}.over] with limits of values"));
+        table.problem("over", MISSING, format!("[{key}.over] with limits of values"));
     }
     for (path, node) in leaves(table.node("over"), &format!("{key}.over"), problems) {
         over.push((path.clone(), range::limits(&path, node, latin, problems)?));

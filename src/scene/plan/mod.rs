@@ -13,7 +13,7 @@ use self::impact::{ImpactContext, impact, uncertain};
 use crate::quantity::{Dimension, Uncertain};
 use crate::scene::document::Node;
 use crate::scene::library;
-use crate::scene::problem::{Problem, SceneError, listed};
+use crate::scene::problem::{MISSING, Problem, SceneError, listed};
 use crate::scene::reader::{Bound, Problems, TableReader};
 use crate::sensor::Load;
 
@@ -98,7 +98,7 @@ fn read(file: &Path, node: &Node, problems: &Problems) -> Option<CalibrationPlan
         }
         table.finish();
     } else if !root.has("sensor") {
-        root.problem("sensor", "no such table", "[sensor] with item and name: what is calibrated");
+        root.problem("sensor", MISSING, "[sensor] with item and name: what is calibrated");
     }
     let mut strikers = Vec::new();
     for (name, table) in root.tables("strikers") {
@@ -165,7 +165,7 @@ fn scope(root: &TableReader<'_>) -> (Option<f64>, Load) {
         "gain_u = \"3 %\", or in_chain = true where sensor and scope are calibrated as one";
     let Some(table) = root.table("scope") else {
         if !root.has("scope") {
-            root.problem("scope", "no such table", format!("[scope] with {expected}"));
+            root.problem("scope", MISSING, format!("[scope] with {expected}"));
         }
         return (None, INPUT);
     };

@@ -5,9 +5,9 @@
 //! level. Text is always signed. Sources: user manuals of the TDS1012 (p. 182, 187) and TDS2022 (p. 190), real replies.
 
 use crate::instrument::Event;
-use crate::instrument::panel::AcquireMode;
 use crate::instrument::transfer::{Points, Transfer};
 use crate::instrument::word::Word as _;
+use crate::scope::AcquireMode;
 use crate::scope::set_up::waveform_id;
 use crate::scope::waveform::LEVELS_PER_DIVISION;
 use crate::scope::{Coupling, PointFormat, Preamble, Source, Waveform};

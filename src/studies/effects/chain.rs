@@ -265,9 +265,9 @@ pub fn host_mass(subject: &BaselineRun<'_>) -> LedgerEntry {
     let hosts: Vec<usize> = scene.sensors.iter().filter_map(|s| host(s.site)).collect();
     // A kind's own mass is that of its particles without a sensor.
     let own = |index: usize| {
-        let name = &particles.get(index)?.name;
+        let body = particles.get(index)?;
         let bare =
-            particles.iter().enumerate().find(|(i, b)| b.name == *name && !hosts.contains(i));
+            particles.iter().enumerate().find(|(i, b)| b.is_alike(body) && !hosts.contains(i));
         bare.map(|(_, body)| body.mass)
     };
     let ratio = |index: &usize| Some(particles.get(*index)?.mass / own(*index)? - 1.0);

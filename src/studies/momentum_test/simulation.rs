@@ -168,7 +168,7 @@ pub fn capture(
     (seed, shot): (u64, u32),
 ) -> Option<Capture> {
     let channel: &ChannelSetup = setup.channels.first()?.as_ref()?;
-    let interval = setup.model.signal_interval(setup.time_base);
+    let interval = setup.signal_interval();
     let (start, end) = setup.record_span();
     let mut clock: Pcg64 = noise_stream(seed, shot, 0);
     let phase: f64 = StandardUniform.sample(&mut clock);

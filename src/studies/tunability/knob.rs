@@ -137,7 +137,10 @@ fn kinds(scene: &Scene) -> Option<(&Body, &Body)> {
     let first = *sensed(scene).first()?;
     let body = |particle: usize| scene.spec.particles.get(particle - 1);
     let (here, next) = (body(first)?, body(first + 1)?);
-    if here.name == next.name {
+    // A taper has no mass of its kind.
+    let is_tapered =
+        |body: &Body| scene.spec.particles.iter().any(|b| b.name == body.name && !b.is_alike(body));
+    if here.name == next.name || is_tapered(here) || is_tapered(next) {
         return None;
     }
     Some(if here.mass < next.mass { (here, next) } else { (next, here) })

@@ -4,11 +4,10 @@
 mod parquet_file;
 
 use std::borrow::Cow;
-use std::io::{BufWriter, Write as _};
+use std::io::{BufRead as _, BufReader, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
-use super::plan::{Column, ColumnKind};
-use super::row::ResultRow;
+use super::row::{Column, ColumnKind, ResultRow, cells};
 use super::{SweepError, at};
 use crate::files::{NewFile, Output as _};
 
@@ -31,7 +30,7 @@ enum Out {
 /// [`SweepError::Format`] and [`SweepError::NoParquet`].
 pub fn check(file: &Path) -> Result<(), SweepError> {
     let shown = || file.display().to_string();
-    match extension(file) {
+    match extension(file).as_deref() {
         Some("csv" | "jsonl") => Ok(()),
         Some("parquet") if cfg!(feature = "parquet") => Ok(()),
         Some("parquet") => Err(SweepError::NoParquet { file: shown() }),
@@ -39,27 +38,63 @@ pub fn check(file: &Path) -> Result<(), SweepError> {
     }
 }
 
-fn extension(file: &Path) -> Option<&str> {
-    file.extension().and_then(|extension| extension.to_str())
+/// Refuses to replace a file that holds something else than the table with these columns.
+///
+/// # Errors
+/// [`SweepError::Exists`].
+pub fn check_own(file: &Path, columns: &[Column]) -> Result<(), SweepError> {
+    let mut first = String::new();
+    let read =
+        std::fs::File::open(file).and_then(|file| BufReader::new(file).read_line(&mut first));
+    match read {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
+        Ok(_) if first.trim_end() == head(columns) => Ok(()),
+        _ => Err(SweepError::Exists { file: file.display().to_string() }),
+    }
+}
+
+/// The line above the rows.
+fn head(columns: &[Column]) -> String {
+    let mut head = ResultRow::default();
+    for column in columns {
+        head.text(&column.name);
+    }
+    head.into_line()
+}
+
+fn extension(file: &Path) -> Option<String> {
+    file.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase)
+}
+
+/// Writes a table of numbers, `csv`, in the format that the name of `file` tells.
+///
+/// # Errors
+/// [`SweepError`] where the file cannot be written.
+pub fn write(file: &Path, csv: &str) -> Result<(), SweepError> {
+    let mut lines = csv.lines();
+    let names = cells(lines.next().unwrap_or_default());
+    let column = |name: &Cow<'_, str>| {
+        let kind = if name == "shot" { ColumnKind::Count } else { ColumnKind::Number };
+        Column { name: name.clone().into_owned(), kind }
+    };
+    let mut table = TableWriter::create(file, &names.iter().map(column).collect::<Vec<_>>())?;
+    lines.try_for_each(|line| table.row(line, &cells(line)))?;
+    table.finish()
 }
 
 impl TableWriter {
     pub(super) fn create(file: &Path, columns: &[Column]) -> Result<Self, SweepError> {
         check(file)?;
         let created = NewFile::replace(file).map_err(at(file))?;
-        let out = match extension(file) {
+        let out = match extension(file).as_deref() {
             #[cfg(feature = "parquet")]
             Some("parquet") => {
                 Out::Parquet(parquet_file::ParquetFile::new(file, created, columns)?)
             }
             Some("jsonl") => Out::JsonLines(BufWriter::new(created), columns.to_vec()),
             _ => {
-                let mut head = ResultRow::default();
-                for column in columns {
-                    head.text(&column.name);
-                }
                 let mut out = BufWriter::new(created);
-                writeln!(out, "{}", head.into_line()).map_err(at(file))?;
+                writeln!(out, "{}", head(columns)).map_err(at(file))?;
                 Out::Csv(out)
             }
         };

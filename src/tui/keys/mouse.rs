@@ -1,5 +1,5 @@
-//! The mouse: its wheel zooms around the pointer or scrolls, its button drags the picture or a cursor; on a reading it turns what that
-//! tells.
+//! The mouse: its wheel zooms around the pointer or scrolls, its button drags the picture or a cursor; over a readout, the wheel
+//! changes the setting that it shows. A turn up is a larger value: wheel up zooms in, to fewer volts and seconds a division.
 
 use ratatui::crossterm::event::{KeyModifiers, MouseButton, MouseEvent, MouseEventKind};
 use ratatui::layout::Position;
@@ -32,13 +32,13 @@ pub fn mouse_action(
         }
         (_, Some(turn)) if inside => Some(Action::TimePerDivision { turn, anchor: x }),
         (MouseEventKind::Down(MouseButton::Left), _) if inside => Some(Action::Press { x, y }),
-        // Once it has hold of something, the mouse may leave the graticule.
+        // A drag continues outside the graticule.
         (MouseEventKind::Drag(MouseButton::Left), _) => Some(Action::Drag { x, y }),
         _ => None,
     }
 }
 
-/// The action of a mouse event on a reading.
+/// The action of a mouse event on a readout.
 pub fn reading_action(event: MouseEvent, target: Target) -> Option<Action> {
     let wheel = match event.kind {
         MouseEventKind::ScrollUp => Some(TurnDirection::Up),
@@ -50,7 +50,6 @@ pub fn reading_action(event: MouseEvent, target: Target) -> Option<Action> {
         _ => None,
     };
     match (target, wheel, click) {
-        // As in the picture: upward is taller, and closer.
         (Target::Trace(_, true), Some(turn), _) => Some(Action::VoltsPerDivision(turn.other())),
         (Target::Trace(source, _), _, Some(MouseButton::Left)) => Some(Action::Trace(source)),
         (Target::TimeBase, Some(turn), _) => {

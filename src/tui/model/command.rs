@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::knobs::BenchKnob;
-use super::state::{Page, Request};
+use super::state::{BenchOption, Page, Request};
 use super::{Popup, ScreenState};
 use crate::scene::Scene;
 use crate::tui::axis::TurnDirection;
@@ -14,9 +14,24 @@ pub const COMMANDS: &[(&str, &str)] = &[
     (":compare WHAT", "hold the shot against a recording, a folder, or a scene"),
     (":goto N", "show trigger N, counted from 1"),
     (":seek TIME", "wind the moving bench to a time, e.g. 0.8 ms"),
+    (":scene SCENE", "the bench of the recording: sensors, distances"),
+    (":map CH1=p2,...", "which of its sensors is at a channel"),
+    (":sensor CH1=FILE", "a channel's sensor, by name or file"),
+    (":distance CH1-CH2=D", "along the chain, e.g. 47.2 mm +- 0.1 mm"),
     (":set PATH VALUE", "change the bench's scene, e.g. :set striker.speed 0.6 m/s"),
     (":quit", "leave"),
 ];
+
+/// What a command says of the bench.
+fn bench_option(word: &str) -> Option<BenchOption> {
+    match word {
+        "scene" => Some(BenchOption::Scene),
+        "map" => Some(BenchOption::Map),
+        "sensor" => Some(BenchOption::Sensor),
+        "distance" => Some(BenchOption::Distance),
+        _ => None,
+    }
+}
 
 impl ScreenState {
     /// Opens the command line with `start` typed already.
@@ -37,7 +52,7 @@ impl ScreenState {
                 .iter()
                 .filter_map(|(command, _)| Some(command.split(' ').next()?.get(1..)?.to_owned()))
                 .collect(),
-            "compare" => Scene::names().into_iter().map(str::to_owned).collect(),
+            "compare" | "scene" => Scene::names().into_iter().map(str::to_owned).collect(),
             "set" => self.settable_paths(),
             _ => Vec::new(),
         };
@@ -100,6 +115,8 @@ impl ScreenState {
             self.seek_typed(rest);
         } else if is("set") {
             self.set_typed(rest);
+        } else if let Some(option) = bench_option(word) {
+            self.note(option, rest);
         } else if is("quit") {
             self.running = false;
         } else {
@@ -126,6 +143,14 @@ impl ScreenState {
                 Some("expected :compare and a recording, a folder, or a scene".to_owned());
         } else {
             self.compare_with(other.to_owned());
+        }
+    }
+
+    fn note(&mut self, option: BenchOption, value: &str) {
+        if self.live.is_some() {
+            self.notice = Some("this bench is known: :set changes it".to_owned());
+        } else {
+            self.requests.push(Request::Note(option, value.to_owned()));
         }
     }
 

@@ -33,8 +33,8 @@ pub use live_state::{LiveBench, StrikeResult};
 pub use math_mode::MathMode;
 pub use screen_state::ScreenState;
 pub use state::{
-    BackgroundJobs, CursorKind, Cursors, Derived, JobState, MeasurementReading, Overlay, Page,
-    Palette, PersistedTraces, Playback, Popup, Request, RunState, SidePanel, StrikeRequest,
-    Visibility, ordinate_unit,
+    BackgroundJobs, BenchOption, CursorKind, Cursors, Derived, JobState, MeasurementReading,
+    Overlay, Page, Palette, PersistedTraces, Playback, Popup, Request, RunState, SidePanel,
+    StrikeRequest, Visibility, ordinate_unit,
 };
 pub use update::update;

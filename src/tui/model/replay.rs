@@ -19,8 +19,14 @@ const PLAYBACK_TIME_SCALE: f64 = 1e-3;
 impl ScreenState {
     /// A recording that is read as it is looked at; shots and facts come as answers. `follow` shows each new shot.
     pub fn open_partial_recording(&mut self, follow: bool) {
-        self.on_tape =
-            Some(PartialRecording { count: 0, open: true, here: None, follow, follows: follow });
+        self.on_tape = Some(PartialRecording {
+            count: 0,
+            open: true,
+            here: None,
+            follow,
+            follows: follow,
+            is_noted: false,
+        });
     }
 
     /// After the user has chosen a shot: a step back ends following, the last shot begins it again.
@@ -41,12 +47,16 @@ impl ScreenState {
         let grown = count > tape.count;
         (tape.count, tape.open) = (count, open);
         let first = tape.here.is_none() && count > 0;
-        let follow = tape.follows;
+        let (follow, is_noted) = (tape.follows, tape.is_noted);
         let shots = std::mem::take(&mut self.set.shots);
         let notes = std::mem::take(&mut self.set.notes);
         let facts_changed =
             self.set.attachments != facts.attachments || self.set.metadata != facts.metadata;
+        let known = std::mem::take(&mut self.set);
         self.set = TraceSet { shots, notes, ..facts };
+        if is_noted {
+            (self.set.metadata, self.set.attachments) = (known.metadata, known.attachments);
+        }
         if facts_changed {
             self.read_scene();
             self.reload_traces();
@@ -55,6 +65,20 @@ impl ScreenState {
             self.go_to(count - 1);
         } else if first {
             self.go_to(0);
+        }
+    }
+
+    /// The recording with what commands said of its bench.
+    pub fn apply_bench_facts(&mut self, set: TraceSet) {
+        self.set = set;
+        if let Some(tape) = &mut self.on_tape {
+            tape.is_noted = true;
+        }
+        self.notice = Some("noted; :write FILE.mcap keeps it".to_owned());
+        self.read_scene();
+        self.reload_traces();
+        if self.page == Page::Compare {
+            self.compare_again();
         }
     }
 

@@ -163,6 +163,19 @@ pub enum RunState {
 /// Traces of earlier shots that stay on screen.
 pub type PersistedTraces = VecDeque<Vec<Capture>>;
 
+/// What a command can say of the bench behind a recording, as the options of the same names do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BenchOption {
+    /// The scene.
+    Scene,
+    /// Which of its sensors is at a channel.
+    Map,
+    /// A channel's sensor.
+    Sensor,
+    /// The distance between two channels' sensors.
+    Distance,
+}
+
 /// A request of the model to the workers; it does no input and no output itself.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Request {
@@ -172,6 +185,8 @@ pub enum Request {
     Strike(StrikeRequest),
     /// Hold the shot on screen against this recording, folder or scene; none repeats the last one.
     Compare(Option<String>),
+    /// Note what is said of the bench.
+    Note(BenchOption, String),
     /// Make the work-precision study.
     Study,
     /// Make the ledger of effects.
@@ -280,6 +295,7 @@ pub struct Derived {
 
 /// A recording of which one shot is in memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(clippy::struct_excessive_bools, reason = "each says another thing of a file")]
 pub(super) struct PartialRecording {
     /// Shots found so far.
     pub(super) count: usize,
@@ -291,6 +307,8 @@ pub(super) struct PartialRecording {
     pub(super) follow: bool,
     /// Whether it is shown now: not after a step back, until the last shot is shown again.
     pub(super) follows: bool,
+    /// Whether commands said something of the bench, which what is read of the file does not replace.
+    pub(super) is_noted: bool,
 }
 
 /// Unit of a record's ordinate; some files write `Volts`.

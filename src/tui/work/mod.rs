@@ -22,7 +22,8 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 #[cfg(unix)]
 use signal_hook::iterator::Signals;
 
-use super::model::{Request, ScreenState, StrikeRequest};
+use super::model::{BenchOption, Request, ScreenState, StrikeRequest};
+use crate::recording::TraceSet;
 use crate::recording::mcap::indexed_recording::IndexedRecording;
 use analysis_worker::{ComparisonRequest, StudyRequest};
 
@@ -44,6 +45,9 @@ fn worker<Order: Send + 'static>(
     orders
 }
 
+/// Notes in a set what an option says of the bench; an error is a message.
+pub type NoteOption = fn(&mut TraceSet, BenchOption, &str) -> Result<(), String>;
+
 /// The worker threads of the screen.
 pub struct Workers {
     news: Sender<ScreenEvent>,
@@ -52,6 +56,7 @@ pub struct Workers {
     bench: Sender<StrikeRequest>,
     comparison: Sender<ComparisonRequest>,
     research: Sender<StudyRequest>,
+    note_option: Option<NoteOption>,
 }
 
 impl Workers {
@@ -69,6 +74,7 @@ impl Workers {
             bench: worker(&news, simulation_worker::strike),
             comparison: worker(&news, analysis_worker::comparer()),
             research: worker(&news, analysis_worker::research),
+            note_option: None,
             news,
         };
         (staff, receiver)
@@ -77,6 +83,11 @@ impl Workers {
     /// Watches a scope that is served somewhere else.
     pub fn watch(&mut self, scope: served::ServedConnection) {
         self.served = Some(served::start(scope, &self.news));
+    }
+
+    /// Does with this what commands say of the bench.
+    pub fn note_with(&mut self, note_option: NoteOption) {
+        self.note_option = Some(note_option);
     }
 
     /// Listens to the terminal.
@@ -134,6 +145,16 @@ impl Workers {
                     let scene = model.scene().cloned().map(Box::new);
                     scene
                         .is_none_or(|scene| self.research.send(StudyRequest::Ledger(scene)).is_ok())
+                }
+                Request::Note(option, value) => {
+                    let mut set = model.set().clone();
+                    let noted = self.note_option.map(|note| note(&mut set, option, &value));
+                    match noted {
+                        Some(Err(problem)) => model.set_notice(problem),
+                        Some(Ok(())) => model.apply_bench_facts(set),
+                        None => {}
+                    }
+                    true
                 }
                 Request::Save(file) => {
                     model.set_notice(

@@ -326,7 +326,7 @@ fn plain_tables_for_other_programs() {
     assert_eq!(all.lines().count(), 12 * 2500 + 1);
     printed(
         path,
-        &["convert", "-q", "stick", "n.csv", "--force", "--scene", "magnet-0.61g", "--shot", "2"],
+        &["convert", "-q", "stick", "n.csv", "--newtons", "--scene", "magnet-0.61g", "--shot", "2"],
     );
     let forces = std::fs::read_to_string(path.join("n.csv")).expect("a table");
     assert!(forces.starts_with("time_s,CH1_N,CH2_N\n"), "{}", &forces[..80]);
@@ -334,11 +334,65 @@ fn plain_tables_for_other_programs() {
     let told = printed(path, &["convert", "stick/ALL0000", "day.1/"]);
     assert!(told.starts_with("day.1/ALL0000/F0000CH1.CSV\n"), "{told}");
     says(&refused(path, &["convert", "stick", "t.csv", "--truth"]), &["no truth"]);
-    says(&refused(path, &["convert", "stick", "x.mcap", "--force"]), &["--force", "tables"]);
+    says(&refused(path, &["convert", "stick", "x.mcap", "--newtons"]), &["--newtons", "tables"]);
     printed(path, &["run", "-q", "-o", "run.mcap", "--accuracy", "1e-3"]);
     printed(path, &["convert", "-q", "run.mcap", "truth.csv", "--truth"]);
     let truth = std::fs::read_to_string(path.join("truth.csv")).expect("a table");
     assert!(truth.starts_with("time_s,CH1_V,CH2_V,CH3_V,CH4_V,truth_p2_N,"), "{}", &truth[..80]);
+}
+
+/// Nothing is replaced that was not named with `-o`, unless `--force` says so.
+#[test]
+fn files_that_exist_are_kept() {
+    let folder = temporary();
+    let path = folder.path();
+    stick(path);
+    let kept = |name: &str| std::fs::read_to_string(path.join(name)).expect("a file") == "mine";
+    let commands: [(&[&str], &str); 8] = [
+        (&["convert", "stick/ALL0000", "x.csv"], "x.csv"),
+        (&["convert", "stick", "x.mcap"], "x.mcap"),
+        (&["convert", "stick", "x.svg"], "x.svg"),
+        (&["convert", "stick", "x.bmp"], "x.bmp"),
+        (&["spectrum", "stick", "--plot", "p.svg"], "p.svg"),
+        (&["bands", "--plot", "b.svg"], "b.svg"),
+        (&["magnet", "--plot", "m.svg"], "m.svg"),
+        (
+            &["run", "-q", "-o", "r.mcap", "--bands", "--samples", "20", "--plot", "z.svg"],
+            "z-CH2.svg",
+        ),
+    ];
+    for (arguments, name) in commands {
+        std::fs::write(path.join(name), "mine").expect("a file");
+        says(&refused(path, arguments), &[name, "exists already", "--force"]);
+        assert!(kept(name), "{arguments:?}");
+    }
+    for (arguments, name) in &commands[..7] {
+        printed(path, &[arguments, &["--force"][..]].concat());
+        assert!(!kept_bytes(path, name), "{arguments:?}");
+    }
+    // What -o names is replaced, by a whole file.
+    std::fs::write(path.join("s.csv"), "mine").expect("a file");
+    printed(path, &["arrivals", "stick", "-o", "s.csv"]);
+    assert!(!kept("s.csv"));
+}
+
+fn kept_bytes(path: &Path, name: &str) -> bool {
+    std::fs::read(path.join(name)).expect("a file") == b"mine"
+}
+
+/// The screen on white for print, as SVG and PNG.
+#[test]
+fn the_screen_is_printed_on_white() {
+    let folder = temporary();
+    let path = folder.path();
+    stick(path);
+    printed(path, &["convert", "stick/ALL0000", "light.svg", "--light"]);
+    let svg = std::fs::read_to_string(path.join("light.svg")).expect("a picture");
+    assert!(svg.contains("fill=\"#ffffff\"") && !svg.contains("#ffd800"), "{}", &svg[..400]);
+    printed(path, &["convert", "stick/ALL0000", "light.png", "--light"]);
+    let png = std::fs::read(path.join("light.png")).expect("a picture");
+    assert!(png.starts_with(b"\x89PNG"));
+    says(&refused(path, &["convert", "stick", "x.csv", "--light"]), &["--light", ".svg"]);
 }
 
 /// Too much is refused at once, by the file's own size.

@@ -3,11 +3,7 @@
 //! For each accuracy that is asked for, first peaks and arrivals differ from the reference by no more than that accuracy, and by no more than
 //! the error estimate that the run prints. The solver itself is compared with the goldens, with closed forms, and with a looser run of its own.
 #![allow(clippy::too_many_lines, reason = "lists of scenes")]
-#![allow(
-    clippy::cast_possible_wrap,
-    clippy::needless_range_loop,
-    reason = "small counts; a table by row and column"
-)]
+#![allow(clippy::needless_range_loop, reason = "small counts; a table by row and column")]
 
 mod reference;
 mod scenes;

@@ -325,9 +325,9 @@ fn mistakes_are_told_at_their_place() {
         [[effects.magnet_preload.measured]]\ndistance = \"0 mm\"\nforce = \"7 N\"\n\
         [[effects.magnet_preload.measured]]\ndistance = \"0.2 mm\"\nforce = \"1 N\"\n";
     let steep = Scene::from_text("s", "s.toml", steep).expect_err("unstable").to_string();
-    assert!(steep.contains(":4:") && steep.contains("does not last"), "{steep}");
+    assert!(steep.contains(":4:") && steep.contains("unstable equilibrium"), "{steep}");
     let beyond = steep_at("0.3 mm");
-    assert!(beyond.contains("within the magnet's table"), "{beyond}");
+    assert!(beyond.contains("outside the magnet's force table"), "{beyond}");
 }
 
 fn steep_at(distance: &str) -> String {

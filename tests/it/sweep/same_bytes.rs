@@ -64,6 +64,11 @@ fn slurm_s_variables_are_read() {
 fn only_whole_tables_are_left() {
     let folder = folder(QUICK);
     std::fs::write(folder.path().join("grid.csv"), "old").expect("a file");
+    let (code, _, stderr) = told(folder.path(), &["sweep", "grid.toml"]);
+    assert!(code == 2 && stderr.contains("no table of this sweep"), "{stderr}");
+    assert_eq!(read(folder.path(), "grid.csv"), "old");
+    done(folder.path(), &["sweep", "grid.toml", "--force"]);
+    // Its own table is brought up to date without.
     done(folder.path(), &["sweep", "grid.toml"]);
     let mut names: Vec<String> = std::fs::read_dir(folder.path())
         .expect("a folder")

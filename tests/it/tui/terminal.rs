@@ -161,6 +161,35 @@ fn keys_and_command_line_reach_it() {
     assert_eq!(terminal.end().0, 0);
 }
 
+/// What the options of the same names say can be said later, and kept.
+#[test]
+fn commands_say_what_the_bench_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let table = folder.path().join("lab.csv");
+    let row = |i: u32| format!("{:e},{},{}\n", f64::from(i) * 1e-6, f64::from(i % 7), 0.5);
+    let rows: String = (0..100).map(row).collect();
+    std::fs::write(&table, format!("Time (s),CH1 (V),CH2 (V)\n{rows}")).expect("a table");
+    let kept = folder.path().join("kept.mcap");
+    let mut terminal = Terminal::open(&[&table.display().to_string()], &[]);
+    terminal.wait_for_text("CH1 ");
+    terminal.press(":map CH1=p2\r");
+    terminal.wait_for_text("no sensor `p2` is known");
+    terminal.press(":scene magnet-0.61g\r");
+    terminal.wait_for_text("noted");
+    terminal.press(":distance CH1-CH9=5 cm\r");
+    terminal.wait_for_text("no channel CH9");
+    terminal.press(":map CH1=p14\r");
+    terminal.wait_for_text("noted");
+    terminal.press(&format!(":write {}\r", kept.display()));
+    terminal.wait_for_text("wrote shot 1");
+    terminal.press("q");
+    assert_eq!(terminal.end().0, 0);
+    let set = hertzscope::recording::format::open(&kept).expect("a recording");
+    let sensors = hertzscope::measurement::metadata::sensors(&set);
+    let at = |name: &str| sensors.iter().find(|s| s.name == name).and_then(|s| s.channel.clone());
+    assert_eq!((at("p14").as_deref(), at("p2")), (Some("CH1"), None));
+}
+
 #[test]
 fn the_mouse_zooms_and_drags() {
     let mut terminal = Terminal::open(&[RECORDING], &[]);

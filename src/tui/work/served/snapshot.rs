@@ -166,7 +166,10 @@ impl ServedSnapshot {
                 level: panel.trigger_level().unwrap_or_default(),
                 slope: panel.trigger_slope().unwrap_or(crate::scope::Slope::Rise),
                 mode: if automatic { TriggerMode::Auto } else { TriggerMode::Normal },
+                coupling: crate::scope::EdgeCoupling::Dc,
+                holdoff: 0.0,
             },
+            acquisition: crate::scope::AcquireSetup::default(),
             noise: known.as_ref().map_or(0.0, |setup| setup.noise),
             model: self.model.clone(),
         }

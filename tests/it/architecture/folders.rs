@@ -1,4 +1,4 @@
-//! The folders that the README names.
+//! The folders that ARCHITECTURE.md names.
 
 use super::source::Violation;
 
@@ -35,21 +35,19 @@ fn folder(line: &str) -> Option<&str> {
 #[test]
 fn a_folder_that_does_not_exist_is_found() {
     let text = "# Title\n- `src/`: code\n| `benches/` | timing |\n  * `tests/readers/` others\n- `run` it\n";
-    let found: Vec<String> = check("README.md", text, |folder| folder == "src/")
-        .iter()
-        .map(ToString::to_string)
-        .collect();
+    let found: Vec<String> =
+        check("LIST.md", text, |folder| folder == "src/").iter().map(ToString::to_string).collect();
     assert_eq!(
         found,
         [
-            "README.md:3: the folder `benches/` does not exist",
-            "README.md:4: the folder `tests/readers/` does not exist"
+            "LIST.md:3: the folder `benches/` does not exist",
+            "LIST.md:4: the folder `tests/readers/` does not exist"
         ]
     );
-    assert!(check("README.md", text, |_| true).is_empty());
+    assert!(check("LIST.md", text, |_| true).is_empty());
 }
 
 #[test]
 fn a_readme_without_folders_is_refused() {
-    assert_eq!(check("README.md", "# Title\n\nThe folder `src/` holds code.\n", |_| true).len(), 1);
+    assert_eq!(check("LIST.md", "# Title\n\nThe folder `src/` holds code.\n", |_| true).len(), 1);
 }

@@ -1,0 +1,32 @@
+//! `hertzscope help`: a command, or what a scene or a calibration's plan may hold.
+
+use anyhow::bail;
+use clap::Args;
+
+use crate::scene::resolved::{annotated_plan, annotated_scene};
+
+/// Explain a command, or print a scene (`help scene`) or a calibration plan (`help plan`) with every key, unit and default
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// A command, `scene`, or `plan` [default: list the commands]
+    topic: Option<String>,
+}
+
+/// Prints the help on a topic; `command` is the program's command line.
+pub fn run(arguments: &Arguments, mut command: clap::Command) -> anyhow::Result<()> {
+    command.build();
+    let page = match arguments.topic.as_deref() {
+        None => command.render_long_help().to_string(),
+        Some("scene") => annotated_scene().to_owned(),
+        Some("plan") => annotated_plan().to_owned(),
+        Some(topic) => {
+            let Some(found) = command.find_subcommand_mut(topic) else {
+                let names: Vec<&str> =
+                    command.get_subcommands().map(clap::Command::get_name).collect();
+                bail!("no help on `{topic}`: topics are scene, plan, {}", names.join(", "));
+            };
+            found.render_long_help().to_string()
+        }
+    };
+    super::print(page.trim_end())
+}

@@ -1,0 +1,35 @@
+//! Files that exist: none is replaced unless the user named it with `-o` or says `--force`.
+//!
+//! `run` without `-o`, `serve --record` and `:write` replace nothing either: they take the next free number.
+
+use std::path::Path;
+
+use anyhow::bail;
+use clap::Args;
+
+/// Whether files that exist may be replaced.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct OverwriteArguments {
+    /// Replace files that exist (what -o names is always replaced)
+    #[arg(long)]
+    force: bool,
+}
+
+impl OverwriteArguments {
+    /// Whether all may be replaced.
+    pub fn is_forced(self) -> bool {
+        self.force
+    }
+
+    /// Refuses a file that exists; called before the work.
+    pub fn check(self, file: &Path) -> anyhow::Result<()> {
+        // Devices and pipes hold nothing that could be lost.
+        if file.is_file() && !self.force {
+            bail!(
+                "{}: exists already: choose another name, or replace it with --force",
+                file.display()
+            );
+        }
+        Ok(())
+    }
+}
