@@ -79,9 +79,9 @@ fn convert_leaves_the_old_file_or_the_new_one() {
             done(folder, &["convert", "one.mcap", output]);
         }
     };
-    assert!(kill_everywhere(&two("x.mcap"), &["convert", "two.mcap", "x.mcap"]) > 5);
+    assert!(kill_everywhere(&two("x.mcap"), &["convert", "two.mcap", "x.mcap", "--force"]) > 5);
     for output in ["x.bmp", "x.svg"] {
-        assert!(kill_everywhere(&two(output), &["convert", "two.mcap", output]) >= 4);
+        assert!(kill_everywhere(&two(output), &["convert", "two.mcap", output, "--force"]) >= 4);
     }
     // A folder: all channels with set-up and screen, or none.
     assert!(kill_everywhere(&two("lab"), &["convert", "two.mcap", "lab"]) > 20);
@@ -145,5 +145,5 @@ fn gather_leaves_the_old_table_or_the_new_one() {
         done(folder, &["sweep", "grid.toml", "-q", "--accuracy", "1e-3"]);
         std::fs::write(folder.join("grid.csv"), "old\n").expect("a file");
     };
-    assert!(kill_everywhere(&prepare, &["gather", "grid.sweep", "-q"]) >= 4);
+    assert!(kill_everywhere(&prepare, &["gather", "grid.sweep", "-q", "--force"]) >= 4);
 }

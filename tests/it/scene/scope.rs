@@ -88,13 +88,7 @@ fn vertical_settings_beyond_the_instrument() {
             "20.0 mV/div to 50.0 V/div",
         ],
         [ch2, &with("¦\"1 V\"", ""), "scope.ch2.scale", "a voltage (V)", "a vertical scale"],
-        [
-            ch2,
-            &with("\"1 V/div\"", "probe = ¦5"),
-            "scope.ch2.probe",
-            "5",
-            "[1.0, 10.0, 100.0, 1000.0]",
-        ],
+        [ch2, &with("\"1 V/div\"", "probe = ¦5"), "scope.ch2.probe", "5", "1, 10, 100, 1000"],
         [
             ch2,
             &with("\"1 V/div\"", "position = ¦\"0.05 div\""),

@@ -166,6 +166,7 @@ fn the_annotated_scene_has_every_key() {
             "[effects.power_law_loss]",
             "force_at_1_m_per_s = \"1 N\"\nexponent = 1.5\nend_of_contact = \"zero_overlap\"\n",
         ),
+        ("[effects]", ""),
         ("[effects.linearised_contacts]", ""),
         ("[scope.external]", "input = \"first\"\n"),
         ("[[initial_velocities]]", "particle = 1\nvelocity = \"0.1 m/s\"\n"),
