@@ -18,110 +18,60 @@ pub(super) const fn whole(exponents: [i16; 6]) -> Dimension {
     Dimension(halves)
 }
 
+/// Dimensions with their names, and how a quantity of each is typed, where that is asked for.
+macro_rules! dimensions {
+    ($($dimension:ident: $exponents:expr, $name:literal $(, $example:literal)?;)+) => {
+        impl Dimension {
+            $(#[doc = concat!("Dimension of ", $name, ".")] pub const $dimension: Self = $exponents;)+
+        }
+
+        /// Each dimension with its name and its example.
+        const NAMES: &[(Dimension, &str, &[&str])] = &[$((Dimension::$dimension, $name, &[$($example)?])),+];
+    };
+}
+
+dimensions! {
+    NONE: whole([0, 0, 0, 0, 0, 0]), "a plain number";
+    MASS: whole([1, 0, 0, 0, 0, 0]), "a mass (kg)", "3.5 g";
+    LENGTH: whole([0, 1, 0, 0, 0, 0]), "a length (m)", "4.76 mm";
+    TIME: whole([0, 0, 1, 0, 0, 0]), "a time (s)", "2 ms";
+    FREQUENCY: whole([0, 0, -1, 0, 0, 0]), "a frequency (Hz)", "20 kHz";
+    SPEED: whole([0, 1, -1, 0, 0, 0]), "a speed (m/s)", "0.6 m/s";
+    ACCELERATION: whole([0, 1, -2, 0, 0, 0]), "an acceleration (m/s^2)", "9.81 m/s^2";
+    FORCE: whole([1, 1, -2, 0, 0, 0]), "a force (N)", "2.4 N";
+    PRESSURE: whole([1, -1, -2, 0, 0, 0]), "a pressure (Pa)", "193 GPa";
+    DENSITY: whole([1, -3, 0, 0, 0, 0]), "a density (kg/m^3)", "2200 kg/m^3";
+    ENERGY: whole([1, 2, -2, 0, 0, 0]), "an energy (J)";
+    DAMPING: whole([1, 0, -1, 0, 0, 0]), "a damping coefficient (N*s/m)";
+    STIFFNESS: whole([1, 0, -2, 0, 0, 0]), "a stiffness (N/m)";
+    HERTZ_STIFFNESS: Dimension([2, -1, -4, 0, 0, 0]), "a Hertz stiffness (N/m^1.5)";
+    TEMPERATURE: whole([0, 0, 0, 0, 1, 0]), "a temperature (K)";
+    PER_TEMPERATURE: whole([0, 0, 0, 0, -1, 0]), "a temperature coefficient (1/K)";
+    MAGNETIC_FLUX_DENSITY: whole([1, 0, -2, -1, 0, 0]), "a magnetic flux density (T)";
+    CHARGE: whole([0, 0, 1, 1, 0, 0]), "a charge (C)";
+    CHARGE_PER_FORCE: whole([-1, -1, 3, 1, 0, 0]), "a piezoelectric coefficient (C/N)";
+    VOLTAGE: whole([1, 2, -3, -1, 0, 0]), "a voltage (V)", "200 mV";
+    VOLTAGE_PER_FORCE: whole([0, 1, -1, -1, 0, 0]), "a sensitivity (V/N)";
+    RESISTANCE: whole([1, 2, -3, -2, 0, 0]), "a resistance (Ohm)";
+    CAPACITANCE: whole([-1, -2, 4, 2, 0, 0]), "a capacitance (F)";
+    DIVISION: whole([0, 0, 0, 0, 0, 1]), "a number of divisions (div)";
+    VOLTAGE_PER_DIVISION: whole([1, 2, -3, -1, 0, -1]), "a vertical scale (V/div)", "500 mV/div";
+    TIME_PER_DIVISION: whole([0, 0, 1, 0, 0, -1]), "a time base (s/div)", "250 us/div";
+}
+
 impl Dimension {
-    /// A plain number.
-    pub const NONE: Self = whole([0, 0, 0, 0, 0, 0]);
-    /// kg.
-    pub const MASS: Self = whole([1, 0, 0, 0, 0, 0]);
-    /// m.
-    pub const LENGTH: Self = whole([0, 1, 0, 0, 0, 0]);
-    /// s.
-    pub const TIME: Self = whole([0, 0, 1, 0, 0, 0]);
-    /// Hz.
-    pub const FREQUENCY: Self = whole([0, 0, -1, 0, 0, 0]);
-    /// m/s.
-    pub const SPEED: Self = whole([0, 1, -1, 0, 0, 0]);
-    /// m/s².
-    pub const ACCELERATION: Self = whole([0, 1, -2, 0, 0, 0]);
-    /// N.
-    pub const FORCE: Self = whole([1, 1, -2, 0, 0, 0]);
-    /// Pa.
-    pub const PRESSURE: Self = whole([1, -1, -2, 0, 0, 0]);
-    /// kg/m³.
-    pub const DENSITY: Self = whole([1, -3, 0, 0, 0, 0]);
-    /// J.
-    pub const ENERGY: Self = whole([1, 2, -2, 0, 0, 0]);
-    /// N s/m.
-    pub const DAMPING: Self = whole([1, 0, -1, 0, 0, 0]);
-    /// N/m.
-    pub const STIFFNESS: Self = whole([1, 0, -2, 0, 0, 0]);
-    /// N/m^1.5.
-    pub const HERTZ_STIFFNESS: Self = Self([2, -1, -4, 0, 0, 0]);
-    /// K.
-    pub const TEMPERATURE: Self = whole([0, 0, 0, 0, 1, 0]);
-    /// 1/K.
-    pub const PER_TEMPERATURE: Self = whole([0, 0, 0, 0, -1, 0]);
-    /// T.
-    pub const MAGNETIC_FLUX_DENSITY: Self = whole([1, 0, -2, -1, 0, 0]);
-    /// C.
-    pub const CHARGE: Self = whole([0, 0, 1, 1, 0, 0]);
-    /// C/N.
-    pub const CHARGE_PER_FORCE: Self = whole([-1, -1, 3, 1, 0, 0]);
-    /// V.
-    pub const VOLTAGE: Self = whole([1, 2, -3, -1, 0, 0]);
-    /// V/N.
-    pub const VOLTAGE_PER_FORCE: Self = whole([0, 1, -1, -1, 0, 0]);
-    /// Ohm.
-    pub const RESISTANCE: Self = whole([1, 2, -3, -2, 0, 0]);
-    /// F.
-    pub const CAPACITANCE: Self = whole([-1, -2, 4, 2, 0, 0]);
-    /// div.
-    pub const DIVISION: Self = whole([0, 0, 0, 0, 0, 1]);
-    /// V/div.
-    pub const VOLTAGE_PER_DIVISION: Self = whole([1, 2, -3, -1, 0, -1]);
-    /// s/div.
-    pub const TIME_PER_DIVISION: Self = whole([0, 0, 1, 0, 0, -1]);
+    fn row(self) -> Option<&'static (Self, &'static str, &'static [&'static str])> {
+        NAMES.iter().find(|(dimension, ..)| *dimension == self)
+    }
 
     /// Name of a quantity of this dimension, with its unit: `a mass (kg)`.
     pub fn name(self) -> Option<&'static str> {
-        const NAMES: [(Dimension, &str); 26] = [
-            (Dimension::NONE, "a plain number"),
-            (Dimension::MASS, "a mass (kg)"),
-            (Dimension::LENGTH, "a length (m)"),
-            (Dimension::TIME, "a time (s)"),
-            (Dimension::FREQUENCY, "a frequency (Hz)"),
-            (Dimension::SPEED, "a speed (m/s)"),
-            (Dimension::ACCELERATION, "an acceleration (m/s^2)"),
-            (Dimension::FORCE, "a force (N)"),
-            (Dimension::PRESSURE, "a pressure (Pa)"),
-            (Dimension::DENSITY, "a density (kg/m^3)"),
-            (Dimension::ENERGY, "an energy (J)"),
-            (Dimension::DAMPING, "a damping coefficient (N*s/m)"),
-            (Dimension::STIFFNESS, "a stiffness (N/m)"),
-            (Dimension::HERTZ_STIFFNESS, "a Hertz stiffness (N/m^1.5)"),
-            (Dimension::TEMPERATURE, "a temperature (K)"),
-            (Dimension::PER_TEMPERATURE, "a temperature coefficient (1/K)"),
-            (Dimension::MAGNETIC_FLUX_DENSITY, "a magnetic flux density (T)"),
-            (Dimension::CHARGE, "a charge (C)"),
-            (Dimension::CHARGE_PER_FORCE, "a piezoelectric coefficient (C/N)"),
-            (Dimension::VOLTAGE, "a voltage (V)"),
-            (Dimension::VOLTAGE_PER_FORCE, "a sensitivity (V/N)"),
-            (Dimension::RESISTANCE, "a resistance (Ohm)"),
-            (Dimension::CAPACITANCE, "a capacitance (F)"),
-            (Dimension::DIVISION, "a number of divisions (div)"),
-            (Dimension::VOLTAGE_PER_DIVISION, "a vertical scale (V/div)"),
-            (Dimension::TIME_PER_DIVISION, "a time base (s/div)"),
-        ];
-        NAMES.iter().find(|(dimension, _)| *dimension == self).map(|(_, name)| *name)
+        self.row().map(|(_, name, _)| *name)
     }
 
     /// A quantity of this dimension as it is typed.
     pub fn example(self) -> Option<&'static str> {
-        const EXAMPLES: [(Dimension, &str); 12] = [
-            (Dimension::MASS, "3.5 g"),
-            (Dimension::LENGTH, "4.76 mm"),
-            (Dimension::TIME, "2 ms"),
-            (Dimension::FREQUENCY, "20 kHz"),
-            (Dimension::SPEED, "0.6 m/s"),
-            (Dimension::ACCELERATION, "9.81 m/s^2"),
-            (Dimension::FORCE, "2.4 N"),
-            (Dimension::PRESSURE, "193 GPa"),
-            (Dimension::DENSITY, "2200 kg/m^3"),
-            (Dimension::VOLTAGE, "200 mV"),
-            (Dimension::VOLTAGE_PER_DIVISION, "500 mV/div"),
-            (Dimension::TIME_PER_DIVISION, "250 us/div"),
-        ];
-        EXAMPLES.iter().find(|(dimension, _)| *dimension == self).map(|(_, example)| *example)
+        self.row().and_then(|(.., example)| example.first().copied())
     }
 
     /// The SI unit as the field writes it, `N`; `1` for a plain number.
