@@ -210,7 +210,7 @@ fn volts_without_a_sensor_stay_volts() {
     assert!(refused(at, &["force", "lab/ALL0000"]).contains("--sensor CH1="));
     let page = hertzscope(at, &["force", "lab/ALL0000", "--sensor", "ch2=pzt-5a-710pf"]).success();
     assert!(
-        out(&page).contains("uncertainty is not known")
+        out(&page).contains("the uncertainty of the sensitivity is unknown")
             && out(&page).contains("CH1: no sensor with sensitivity"),
         "{}",
         out(&page)
