@@ -99,10 +99,17 @@ fn panel(
     let choices: Vec<_> = kind.choices(study, work).collect();
     let place = |(_, amount, error): &(f64, f64, f64)| (amount.log10(), digits(*error));
     line(choices.iter().map(place).collect(), CHOICE_COLOUR, Stroke::Dots);
+    let mut named = Vec::new();
     // Several accuracies may lead to one run.
     for same in choices.chunk_by(|a, b| (a.1, a.2) == (b.1, b.2)) {
         let names = same.iter().map(|(accuracy, ..)| format!("1e{}", digits(*accuracy).round()));
-        let (x, y) = place(&same[0]);
+        let (x, mut y) = place(&same[0]);
+        // Where points are crowded, names stand below each other.
+        let (wide, line) = (0.1 * (many - few), 0.03 * (high - low));
+        while named.iter().any(|(a, b): &(f64, f64)| (a - x).abs() < wide && (b - y).abs() < line) {
+            y -= line;
+        }
+        named.push((x, y));
         plot.words.push((x, y, format!(" {}", names.collect::<Vec<_>>().join(", "))));
     }
     plot
