@@ -67,7 +67,7 @@ def main():
         lab = os.path.join(folder, "lab.mcap")
         subprocess.run([program, "run", "magnet-0.61g", "-q", "-o", lab], check=True)
         for drawn in (os.path.join(folder, "lab"), str(DOCS / "magnet-0.61g.svg")):
-            subprocess.run([program, "convert", lab, drawn, "-q"], check=True)
+            subprocess.run([program, "convert", lab, drawn, "-q", "--force"], check=True)
         for name, arguments, rows, columns, steps in SESSIONS:
             if wanted_ones and name not in wanted_ones:
                 continue

@@ -7,7 +7,7 @@ use crate::report;
 use crate::scene::adjust::Adjustable;
 use crate::studies::uncertainty::{SampleOptions, UncertainPrediction, uncertain_prediction};
 
-/// Show which uncertain input of a scene carries how much of each prediction's uncertainty
+/// Show which uncertain input carries how much of a prediction's uncertainty
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// A scene with a table `[uncertainty]`: one that ships with the program, or the path of a scene file

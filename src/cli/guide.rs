@@ -86,9 +86,9 @@ const GROUPS: [(&str, &[Guide]); 5] = [
         "The program",
         &[
             guide("help", "help scene", "scenes.md"),
-            guide("doctor", "doctor", "performance.md"),
-            guide("completions", "completions bash", "README.md"),
-            guide("man", "man -o man", "README.md"),
+            guide("doctor", "doctor", "commands.md"),
+            guide("completions", "completions bash", "commands.md"),
+            guide("man", "man -o man", "commands.md"),
         ],
     ),
 ];

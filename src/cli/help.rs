@@ -17,8 +17,8 @@ pub fn run(arguments: &Arguments, mut command: clap::Command) -> anyhow::Result<
     command.build();
     let page = match arguments.topic.as_deref() {
         None => command.render_long_help().to_string(),
-        Some("scene") => annotated_scene().to_owned(),
-        Some("plan") => annotated_plan().to_owned(),
+        Some("scene") => return super::print_toml(annotated_scene().trim_end()),
+        Some("plan") => return super::print_toml(annotated_plan().trim_end()),
         Some(topic) => {
             let Some(found) = command.find_subcommand_mut(topic) else {
                 let names: Vec<&str> =

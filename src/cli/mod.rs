@@ -52,7 +52,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 use crate::chain::simd::InstructionSet;
-use output::{AnswerIsNo, is_broken_pipe, is_coloured, print, print_as_it_is, say};
+use output::{AnswerIsNo, is_broken_pipe, is_coloured, print, print_as_it_is, print_toml, say};
 
 /// Exit code of an answer that is no.
 const EXIT_ANSWER_NO: u8 = 1;

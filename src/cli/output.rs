@@ -3,7 +3,7 @@
 use std::io::{ErrorKind, IsTerminal as _, Write as _};
 
 use crate::quantity::printable;
-use crate::report::text::folded;
+use crate::report::text::{folded, folded_comments};
 
 /// Error for an answer of no that has been printed already.
 #[derive(Debug, thiserror::Error)]
@@ -27,6 +27,15 @@ pub(super) fn print(text: &str) -> anyhow::Result<()> {
     }
     let folded = folded(&text, terminal_width());
     print_as_it_is(&if is_coloured() { tinted(&folded) } else { folded })
+}
+
+/// Prints a page of TOML, whose comments are wrapped on a terminal.
+pub(super) fn print_toml(text: &str) -> anyhow::Result<()> {
+    let text = printable(text);
+    if std::io::stdout().is_terminal() {
+        return print_as_it_is(&folded_comments(&text, terminal_width()));
+    }
+    print_as_it_is(&text)
 }
 
 fn terminal_width() -> usize {

@@ -13,5 +13,5 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    super::print(resolved(&arguments.scene)?.trim_end())
+    super::print_toml(resolved(&arguments.scene)?.trim_end())
 }

@@ -37,6 +37,26 @@ pub fn folded(text: &str, width: usize) -> String {
     text.split('\n').flat_map(|line| fold(line, width)).collect::<Vec<_>>().join("\n")
 }
 
+/// TOML with comments that end beyond `width` continued on lines of their own.
+pub fn folded_comments(text: &str, width: usize) -> String {
+    text.split('\n').flat_map(|line| fold_comment(line, width)).collect::<Vec<_>>().join("\n")
+}
+
+fn fold_comment(line: &str, width: usize) -> Vec<String> {
+    let (before, comment) = match line.find(" # ") {
+        Some(at) => (&line[..=at], &line[at + 3..]),
+        None if line.starts_with("# ") => ("", &line[2..]),
+        None => return vec![line.to_owned()],
+    };
+    let indent = before.chars().count();
+    if line.chars().count() <= width || indent + MIN_FOLDED > width {
+        return vec![line.to_owned()];
+    }
+    let lines = wrapped(comment, width - indent - 2);
+    let before = |number: usize| if number == 0 { before } else { "" };
+    lines.iter().enumerate().map(|(i, line)| format!("{:indent$}# {line}", before(i))).collect()
+}
+
 fn fold(line: &str, width: usize) -> Vec<String> {
     let whole = || vec![line.to_owned()];
     if line.chars().count() <= width {
@@ -61,6 +81,18 @@ fn fold(line: &str, width: usize) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn comments_are_continued_below() {
+        let line = "probe = 1   # default; attenuation of the probe at the tip";
+        let folded = folded_comments(line, 36);
+        assert_eq!(
+            folded,
+            "probe = 1   # default; attenuation\n            # of the probe at the tip"
+        );
+        assert_eq!(folded_comments("# one two three four five six seven", 24).lines().count(), 2);
+        assert_eq!(folded_comments("text = \"no comment here at all\"", 24).lines().count(), 1);
+    }
 
     #[test]
     fn labelled_lines_are_wrapped_below_their_words() {

@@ -142,8 +142,9 @@ fn of_instruments(table: &str, key: &str) -> bool {
     let files = std::fs::read_dir(root).expect("a folder");
     let texts = files.filter_map(|file| std::fs::read_to_string(file.expect("a file").path()).ok());
     let begins = |text: String| {
-        let is_key =
-            |line: &str| line.starts_with(&format!("{key} =")) || line == format!("[{key}]");
+        let is_key = |line: &str| {
+            line.starts_with(&format!("{key} =")) || line.starts_with(&format!("[{key}]"))
+        };
         text.lines().any(is_key)
     };
     texts.into_iter().any(begins) || key == "measured"
