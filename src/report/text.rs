@@ -88,7 +88,7 @@ mod tests {
         let folded = folded_comments(line, 36);
         assert_eq!(
             folded,
-            "probe = 1   # default; attenuation\n            # of the probe at the tip"
+            "probe = 1   # default; attenuation\n            # of the probe at the\n            # tip"
         );
         assert_eq!(folded_comments("# one two three four five six seven", 24).lines().count(), 2);
         assert_eq!(folded_comments("text = \"no comment here at all\"", 24).lines().count(), 1);
