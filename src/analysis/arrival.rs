@@ -6,14 +6,16 @@
 //! - level crossings at `f P`, `f` = 0.5 (half-rise) and 0.1: the time when a cubic through the samples around the crossing,
 //!   over 0.35 of the rise from half to peak on either side, is at the level;
 //!   `u^2 = [u_fit^2 + (f u_P)^2 + (1 - f)^2 u_zero^2] / slope^2 + u_dt^2`;
-//! - peak: where a quartic over 0.5 of that rise on either side has its maximum; `u^2 = (u_slope^2 + u_tilt^2) / curvature^2 + u_dt^2`;
+//! - peak: where a quartic over 0.5 of that rise on either side has its maximum;
+//!   `u^2 = (u_slope^2 + u_tilt^2) / curvature^2 + u_dt^2`;
 //! - maximum slope: the inflection of a quartic over 0.75 of that rise on either side.
 //!
 //! `u_fit`, `u_slope`: from the samples' noise through the fit's covariance; `u_zero`, `u_tilt`: the
 //! baseline's, grown by undoing the droop ([`super::droop`]); `u_dt = dt^2 |y''/y'| / (8 sqrt(3))`: what a straight line between two
 //! samples may miss of the curve, the sample interval's share. Propagation: JCGM 100:2008, Eq. (10). To both places that are found
-//! as a polynomial's extremum or inflection comes `u_shape`: by how much fits over 1.3 and 1.6 times as many samples move them at most, since
-//! pulses are no polynomials. Valid for pulses that rise
+//! as a polynomial's extremum or inflection comes `u_shape`, since pulses are no polynomials: by how much fits over 1.3 and 1.6 times as many samples move a peak
+//! at most; of an inflection, the distance to that of the wider fit over 1.6^3 - 1, as what a quartic leaves out goes with the width's third
+//! power or a higher one. Valid for pulses that rise
 //! over at least four samples and stand at least six standard deviations out of the noise; for signals whose time constant is
 //! not known, droop moves arrivals by more than is stated (peaks by about 1 us in this bench).
 
@@ -74,6 +76,12 @@ const MIN_LEVEL_DEVIATIONS: f64 = 4.0;
 /// A fit is moved to what it found this many times.
 const CENTRING_STEPS: usize = 3;
 
+/// How much larger the variance of a quotient is than with an exact divisor, whose own is `variance`: `1 + 3 r^2` to second order, `r` its relative
+/// uncertainty (1).
+fn over_noisy(divisor: f64, variance: f64) -> f64 {
+    1.0 + 3.0 * variance / (divisor * divisor)
+}
+
 /// A fitted polynomial, the place found in it, and the variance of each sample that went in.
 struct Place {
     fit: LocalFit,
@@ -97,7 +105,7 @@ impl Pulse {
         let Place { fit, x, variance } = self.peak_place()?;
         let noise = variance * fit.value_variance(x);
         let zero = self.zero_variance(fit.time(x));
-        Some(Uncertain { value: fit.value(x), u: (noise + zero).sqrt() })
+        Some(Uncertain::normal(fit.value(x), (noise + zero).sqrt()))
     }
 
     /// Full width at half of the first peak (s); none where the signal does not fall to it again.
@@ -108,7 +116,7 @@ impl Pulse {
             (self.arrival(Estimator::HalfRise)?, self.crossing(0.5, self.peak + fallen)?);
         // Both ends move with the peak's height in opposite directions: their uncertainties add up at worst.
         let standard_uncertainty = rise.u + fall.u;
-        Some(Uncertain { value: fall.value - rise.value, u: standard_uncertainty })
+        Some(Uncertain::normal(fall.value - rise.value, standard_uncertainty))
     }
 
     /// First smoothed sample at `share` of the peak, if that is clear of the noise.
@@ -136,12 +144,12 @@ impl Pulse {
         let seconds = fit.scale() / slope;
         let interval = self.interval_share(fit.curvature(x) / slope / fit.scale());
         let variance = (noise + height + zero) * seconds * seconds + interval * interval;
-        Some(Uncertain { value: fit.time(x), u: variance.sqrt() })
+        Some(Uncertain::normal(fit.time(x), variance.sqrt()))
     }
 
     fn peak_time(&self) -> Option<Uncertain> {
         let Place { fit, x, variance } = self.peak_place()?;
-        let shape = self.shape_share(&fit, x, &PEAK, &|fit, x| fit.slope(x));
+        let shape = self.peak_shape(&fit, x);
         let curvature = fit.curvature(x);
         let tilt = self
             .conditions
@@ -151,7 +159,7 @@ impl Pulse {
         let interval = self.interval_share(fit.bend(x) / curvature / fit.scale());
         let noise = variance * fit.slope_variance(x) + tilt;
         let variance = noise * seconds * seconds + interval * interval + shape * shape;
-        Some(Uncertain { value: fit.time(x), u: variance.sqrt() })
+        Some(Uncertain::normal(fit.time(x), variance.sqrt()))
     }
 
     /// The maximum of a polynomial around the first peak, whose middle is moved to where the maximum was found.
@@ -177,11 +185,13 @@ impl Pulse {
         let bend = fit.bend(x);
         let gradient = [0.0, 0.0, 2.0, 6.0 * x, 12.0 * x * x];
         let seconds = fit.scale() / bend;
-        let noise = variance * fit.variance(&gradient) * seconds * seconds;
+        let of_bend = variance * fit.variance(&[0.0, 0.0, 0.0, 6.0, 24.0 * x]);
+        let noise =
+            variance * fit.variance(&gradient) * seconds * seconds * over_noisy(bend, of_bend);
         let interval = self.interval_share(1.0 / fit.scale());
-        let shape = self.shape_share(&fit, x, &STEEPEST, &curvature);
+        let shape = self.slope_shape(&fit, x);
         let standard_uncertainty = (noise + interval * interval + shape * shape).sqrt();
-        Some(Uncertain { value: fit.time(x), u: standard_uncertainty })
+        Some(Uncertain::normal(fit.time(x), standard_uncertainty))
     }
 
     /// Fits around sample `at`, finds where `zero` is zero, and fits again around that, so that the place comes to lie in the middle.
@@ -207,21 +217,24 @@ impl Pulse {
         found
     }
 
-    /// By how much wider fits move what was found at `x` in `fit` (s).
-    fn shape_share(
-        &self,
-        fit: &LocalFit,
-        x: f64,
-        fitted: &Fitted,
-        zero: &dyn Fn(&LocalFit, f64) -> f64,
-    ) -> f64 {
+    /// By how much wider fits move the peak that was found at `x` in `fit`, at most (s).
+    fn peak_shape(&self, fit: &LocalFit, x: f64) -> f64 {
         let found = fit.time(x);
-        let at = self.nearest(found);
-        let moved = |wider: f64| {
-            let place = self.centred(at, &Fitted(fitted.0, wider * fitted.1), zero)?;
+        let moved = |factor: f64| {
+            let wider = Fitted(PEAK.0, factor * PEAK.1);
+            let place = self.centred(self.nearest(found), &wider, &|fit, x| fit.slope(x))?;
             Some((place.fit.time(place.x) - found).abs())
         };
         FIT_WIDTH_FACTORS.into_iter().filter_map(moved).fold(0.0, f64::max)
+    }
+
+    /// By how much the pulse's shape moves the inflection at `x` in `fit`, from where a wider fit finds it (s).
+    fn slope_shape(&self, fit: &LocalFit, x: f64) -> f64 {
+        let found = fit.time(x);
+        let [_, factor] = FIT_WIDTH_FACTORS;
+        let wider = Fitted(STEEPEST.0, factor * STEEPEST.1);
+        let wider = self.centred(self.nearest(found), &wider, &|fit, x| fit.curvature(x));
+        wider.map_or(0.0, |p| (p.fit.time(p.x) - found).abs() / (factor.powi(3) - 1.0))
     }
 
     /// What a straight line between two samples may miss of the curve, for `bend` = `|y''/y'|` (1/s), as a time (s).

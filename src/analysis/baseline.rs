@@ -73,7 +73,8 @@ pub(super) fn together(values: &[f64], rms: f64, level: f64) -> f64 {
     (values.len() as f64 / ((high - low) / level + 1.0)).max(1.0)
 }
 
-/// The first two thirds of the samples before the first that is a quarter of the largest deviation away from the start.
+/// The first two thirds of the samples before the first that is a quarter of the largest deviation away from the start, as is one of the two behind it: a single one
+/// may be noise.
 fn before_pulse(trace: &Trace) -> Range<usize> {
     let mut first: Vec<f64> = trace
         .values
@@ -85,6 +86,11 @@ fn before_pulse(trace: &Trace) -> Range<usize> {
     let start = first.get(first.len() / 2).copied().unwrap_or(0.0);
     let away = |v: &f64| (v - start).abs();
     let top = trace.values.iter().map(away).fold(0.0, f64::max);
-    let quarter = trace.values.iter().position(|v| away(v) >= PEAK_SHARE * top).unwrap_or(0);
+    let is_far = |v: &f64| away(v) >= PEAK_SHARE * top;
+    let is_pulse = |near: &[f64]| {
+        let (first, behind) = near.split_at(1);
+        first.iter().all(is_far) && behind.iter().any(is_far)
+    };
+    let quarter = trace.values.windows(3).position(is_pulse).unwrap_or(0);
     0..(BASELINE_SHARE * quarter as f64) as usize
 }

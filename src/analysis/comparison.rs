@@ -101,7 +101,7 @@ impl Pair {
         Distance {
             rms: (squares(&residual) / count).sqrt(),
             largest: residual.iter().fold(0.0, |most: f64, d| most.max(d.abs())),
-            gain: Uncertain { value: gain, u: (left / ((count - 2.0) * ss)).sqrt() },
+            gain: Uncertain::normal(gain, (left / ((count - 2.0) * ss)).sqrt()),
             offset: of_m - gain * of_s,
             correlation: told.then(|| (ms / (mm * ss).sqrt()).clamp(-1.0, 1.0)),
             spectrum: if ss > 0.0 { self.spectrum_distance() } else { None },

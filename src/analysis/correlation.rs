@@ -41,15 +41,17 @@ pub fn delay(first: &Pulse, second: &Pulse) -> Option<Uncertain> {
     let moved = second.excerpt(half_b.value + half_b.u, rise);
     let cut_b = (top(&correlate(&a, &moved)?, reach)?.lag - lag).abs();
     let cut_a = cut_b * half_a.u / half_b.u;
-    // The curvature of C at its top is the sum of a' b' with its sign turned.
+    // The curvature of C at its top is the sum of a' b' with its sign turned: with pulses of like shape, those of a'^2 and b'^2 by the ratio of the heights.
+    // Summed up from the samples they would count the noise's own slopes.
+    let ratio = second.height()?.value / first.height()?.value;
     let (noise_a, noise_b) =
-        (first.noise * slopes(&b).sqrt() / -bend, second.noise * slopes(&a).sqrt() / -bend);
+        (first.noise * (ratio / -bend).sqrt(), second.noise / (ratio * -bend).sqrt());
     // The noise that moves the half-rise is the noise that moves the lag: both shares go together.
     let shares = (noise_a + cut_a).powi(2) + (noise_b + cut_b).powi(2);
     let both = (first.noise * second.noise).powi(2) * EXCERPT_LENGTH * rise * gain;
     let standard_uncertainty = (shares + both).sqrt() * interval;
     let value = second.signal.start - first.signal.start + lag * interval;
-    standard_uncertainty.is_finite().then_some(Uncertain { value, u: standard_uncertainty })
+    standard_uncertainty.is_finite().then_some(Uncertain::normal(value, standard_uncertainty))
 }
 
 /// A maximum of the correlation.
@@ -115,9 +117,4 @@ pub fn correlate(a: &[f64], b: &[f64]) -> Option<Vec<f64>> {
     planner.plan_fft_inverse(length).process(&mut product, &mut lags).ok()?;
     let scale = 1.0 / length as f64;
     Some(lags.into_iter().map(|c| c * scale).collect())
-}
-
-/// Sum of the squared differences of neighbours over two samples.
-fn slopes(values: &[f64]) -> f64 {
-    values.windows(3).map(|w| (0.5 * (w[2] - w[0])).powi(2)).sum()
 }

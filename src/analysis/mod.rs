@@ -16,4 +16,5 @@ pub mod rounding;
 pub mod spectrum;
 pub mod speed;
 pub mod time_frequency;
+pub mod transfer;
 pub mod wavenumber;

@@ -36,6 +36,7 @@ use std::fmt;
 use realfft::RealFftPlanner;
 
 use super::gate::Gate;
+use crate::quantity::Uncertain;
 use crate::trace::Trace;
 
 /// Ratio `N/M` of the paper.
@@ -341,13 +342,20 @@ const SIDE_LOBES: f64 = 1.0;
 pub struct SpectralPeak {
     /// Where it is, interpolated between bins (Hz).
     pub frequency: f64,
-    /// Bound of its error for a line by itself: the bin width, and the resolution for the flat top window, whose lines have no
-    /// point on top. Lines closer than the resolution pull each other (Hz).
-    pub uncertainty: f64,
+    /// Bound of its error for a line by itself, anywhere within which the line may be: the bin width, and the resolution for the flat top
+    /// window, whose lines have no point on top. Lines closer than the resolution pull each other (Hz).
+    pub bound: f64,
     /// How high it is, interpolated between bins (unit).
     pub amplitude: f64,
     /// The highest bin.
     pub bin: usize,
+}
+
+impl SpectralPeak {
+    /// The frequency with its uncertainty (Hz).
+    pub fn uncertain(&self) -> Uncertain {
+        Uncertain { value: self.frequency, u: self.bound / 3f64.sqrt(), half_width: self.bound }
+    }
 }
 
 impl Spectrum {
@@ -394,10 +402,10 @@ impl Spectrum {
             (0.0, here)
         };
         let frequency = self.frequency(bin) + shift * self.step;
-        let uncertainty = match self.window {
+        let bound = match self.window {
             Window::Rectangular | Window::Hann => self.step,
             Window::FlatTop => self.resolution,
         };
-        Some(SpectralPeak { frequency, uncertainty, amplitude, bin })
+        Some(SpectralPeak { frequency, bound, amplitude, bin })
     }
 }

@@ -13,14 +13,14 @@ use crate::quantity::Uncertain;
 pub fn speed(distance: Uncertain, from: Uncertain, to: Uncertain) -> Option<Uncertain> {
     let time = to.value - from.value;
     let of_time = from.u.hypot(to.u);
-    speed_over(distance, Uncertain { value: time, u: of_time })
+    speed_over(distance, Uncertain::normal(time, of_time))
 }
 
 /// Speed over `distance` (m) in a time (s) measured at one go, such as by cross-correlation.
 pub fn speed_over(distance: Uncertain, time: Uncertain) -> Option<Uncertain> {
     let value = distance.value / time.value;
     let relative = (distance.u / distance.value).hypot(time.u / time.value);
-    let found = Uncertain { value, u: (value * relative).abs() };
+    let found = Uncertain::normal(value, (value * relative).abs());
     (found.value.is_finite() && found.u.is_finite()).then_some(found)
 }
 
@@ -36,6 +36,6 @@ pub fn decay(amplitudes: &[(f64, Uncertain)]) -> Option<Uncertain> {
         amplitudes.iter().map(|(x, a)| (*x, a.value.ln(), weight(a))).collect();
     let line = StraightLine::through(&points);
     let standard_uncertainty = if certain { 0.0 } else { 1.0 / line.spread.sqrt() };
-    let found = Uncertain { value: -line.slope, u: standard_uncertainty };
+    let found = Uncertain::normal(-line.slope, standard_uncertainty);
     found.value.is_finite().then_some(found)
 }

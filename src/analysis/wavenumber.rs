@@ -62,9 +62,9 @@ pub struct SpectralLines {
     /// The waves, by frequency.
     pub lines: Vec<SpectralLine>,
     /// Half of what frequencies must be apart to be told apart by the window (Hz).
-    pub frequency_u: f64,
+    pub frequency_resolution: f64,
     /// The same of phases (rad).
-    pub phase_u: f64,
+    pub phase_resolution: f64,
 }
 
 /// Waves up to `highest` (Hz) that reach `least` of the highest (1), in rows sampled every `interval` (s), one a cell, without their
@@ -113,7 +113,7 @@ pub fn spectral_lines(
             }
         }
     }
-    Ok(SpectralLines { lines, frequency_u: step, phase_u: TAU / count })
+    Ok(SpectralLines { lines, frequency_resolution: step, phase_resolution: TAU / count })
 }
 
 fn share(part: usize, whole: usize) -> f64 {

@@ -15,7 +15,7 @@ use crate::experiment::{self, Integration, facts};
 use crate::files;
 use crate::measurement::compare::mapping::Assignment;
 use crate::measurement::compare::score_limits::ScoreLimits;
-use crate::measurement::compare::{Align, ComparedShot, Comparison, compare};
+use crate::measurement::compare::{Align, Compared, ComparedShot, compare};
 use crate::recording::format::{Format, open_shot};
 use crate::recording::{TraceSet, mcap};
 use crate::report;
@@ -104,7 +104,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let how = (arguments.align.into(), arguments.map.as_slice());
     let limits = arguments.tolerance.clone().unwrap_or_default();
     let mut compared = compare(measured, simulated, how, &limits)?;
-    let errors = errors(arguments, &simulation, &mut compared.comparison)?;
+    let errors = errors(arguments, &simulation, &mut compared)?;
     let comparison = &compared.comparison;
     if let Some(file) = &arguments.output {
         let title = format!("{name} against {}", arguments.simulated);
@@ -134,19 +134,20 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 fn errors(
     arguments: &Arguments,
     simulation: &Simulation,
-    comparison: &mut Comparison,
+    compared: &mut Compared,
 ) -> anyhow::Result<Vec<NormalisedError>> {
     let is_uncertain = |scene: &Scene| !scene.uncertainty.is_empty();
     if !simulation.scene.as_ref().is_some_and(is_uncertain) {
         return Ok(Vec::new());
     }
-    let predicted = arguments.draws.predict(&arguments.simulated, false, arguments.quiet)?;
-    let errors = normalised_errors(comparison, &predicted);
+    let predicted = arguments.draws.predict(&arguments.simulated, true, arguments.quiet)?;
+    let errors = normalised_errors(compared, &predicted);
+    let comparison = &mut compared.comparison;
     if arguments.tolerance.is_none() && !errors.is_empty() {
         let beyond = errors.iter().filter(|error| !error.agrees());
         let failures = beyond.map(|error| format!("{}: E_n {:.2}", error.quantity, error.e_n));
         comparison.failures = failures.collect();
-        comparison.tolerance = vec!["E_n of peaks and speeds up to 1".to_owned()];
+        comparison.tolerance = vec!["E_n of peaks, delays, speeds and traces up to 1".to_owned()];
         comparison.verdict = if comparison.failures.is_empty() { "pass" } else { "fail" };
     }
     Ok(errors)

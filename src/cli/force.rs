@@ -11,7 +11,7 @@ use super::input::ReadingArguments;
 use super::picture::PlotArguments;
 use crate::files;
 use crate::measurement::force::{Forces, forces};
-use crate::quantity::coverage::NORMAL_95;
+use crate::measurement::metadata;
 use crate::report;
 
 /// Turn volts into newtons by the sensors' calibration: droop undone, uncertainties carried along
@@ -41,21 +41,23 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             Err(problem) => problems.push(problem.to_string()),
         }
     }
-    let Some(first) = found.first() else {
+    if found.is_empty() {
         bail!("found no channel with forces, expected at least one: {}", problems.join("; "));
-    };
-    arguments
-        .plot
-        .save(|| report::chart(&report::force_curve(first), &first.force.name, ("s", "N")))?;
+    }
+    let title = format!("{}, shot {}", arguments.file.display(), shot.number);
+    arguments.plot.save(|| report::force_picture(&found, &title))?;
     if let Some(file) = &arguments.output {
         files::write(file, csv(&found)).with_context(|| file.display().to_string())?;
     }
+    let scene = metadata::scene_of(&set, shot.number).and_then(Result::ok);
+    let hosts = scene.iter().flat_map(|s| found.iter().filter_map(|f| f.sensor.host_note(s)));
+    let notes: Vec<String> = hosts.collect();
     if arguments.json {
         let channels: Vec<Value> = found.iter().map(as_json).collect();
-        let all = json!({ "shot": shot.number, "channels": channels, "problems": problems });
+        let all = json!({ "shot": shot.number, "channels": channels, "problems": problems, "notes": notes });
         return super::print(&serde_json::to_string_pretty(&all)?);
     }
-    super::print(&report::forces(&found, &problems))
+    super::print(&report::forces(&found, &[problems, notes].concat()))
 }
 
 fn csv(found: &[Forces]) -> String {
@@ -95,7 +97,7 @@ fn as_json(forces: &Forces) -> Value {
         "interval_s": forces.force.interval,
         "force_n": forces.force.values,
         "u_n": forces.u,
-        "U95_n": forces.u.iter().map(|u| NORMAL_95 * u).collect::<Vec<f64>>(),
+        "U95_n": forces.expanded,
         "noise_u_n": forces.noise_u,
         "clipped": forces.clipped,
     })

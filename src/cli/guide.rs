@@ -43,6 +43,7 @@ const GROUPS: [(&str, &[Guide]); 5] = [
             guide("arrivals", "arrivals day.mcap -o statistics.csv", "measurements.md"),
             guide("force", "force day.mcap --channel CH1", "measurements.md"),
             guide("spectrum", "spectrum first.mcap --channel CH2 --plot spectrum.svg", "traces.md"),
+            guide("transfer", "transfer shot-*.mcap --between CH2,CH3", "traces.md"),
             guide("spectrogram", "spectrogram first.mcap --truth p14", "traces.md"),
             guide("dispersion", "dispersion first.mcap --plot dispersion.svg", "traces.md"),
             guide("bands", "bands magnet-0.61g --to 10N", "traces.md"),

@@ -12,6 +12,7 @@ use crate::experiment::facts;
 use crate::measurement::compare::mapping::Assignment;
 use crate::measurement::force::count_gains;
 use crate::measurement::metadata::{self, RecordedDistance};
+use crate::quantity::coverage::NORMAL_95;
 use crate::quantity::{Dimension, Uncertain, parse};
 use crate::recording::format::{OpenError, open_with, read_shot};
 use crate::recording::tek_csv::TableColumns;
@@ -197,7 +198,7 @@ pub struct BenchArguments {
     /// A channel's sensor, a name or a file such as `calibrate` writes
     #[arg(long, value_name = "CH=SENSOR", value_parser = wired)]
     sensor: Vec<SensorAssignment>,
-    /// Distance along the chain between two channels' sensors, e.g. CH1-CH2="47.2 mm +- 0.1 mm"
+    /// Distance along the chain between two channels' sensors, e.g. CH1-CH2="47.2 mm +- 0.1 mm"; behind +- as everywhere the expanded uncertainty (95 %)
     #[arg(long, value_name = "CH-CH=D", value_parser = distance)]
     distance: Vec<RecordedDistance>,
 }
@@ -336,9 +337,9 @@ fn distance(text: &str) -> Result<RecordedDistance, String> {
     let length = |text: &str| {
         parse(text.trim(), Dimension::LENGTH).map_err(|error| format!("{error}; {example}"))
     };
-    let (value, u) =
+    let (value, expanded) =
         value.split_once("+-").or_else(|| value.split_once('±')).unwrap_or((value, "0 m"));
-    let distance = Uncertain { value: length(value)?, u: length(u)? };
+    let distance = Uncertain::normal(length(value)?, length(expanded)? / NORMAL_95);
     if distance.value <= 0.0 || distance.u < 0.0 {
         return Err(format!("`{text}` is no distance above zero, {example}"));
     }
@@ -356,7 +357,7 @@ mod tests {
         assert_eq!((found.from.as_str(), found.to.as_str()), ("CH1", "CH2"));
         assert!(
             (found.distance.value - 0.0472).abs() < 1e-15
-                && (found.distance.u - 1e-4).abs() < 1e-15
+                && (1.96 * found.distance.u - 1e-4).abs() < 1e-8
         );
         assert!(distance("CH1-CH2=5 cm").is_ok_and(|found| found.distance.u == 0.0));
         for text in ["CH1=5 cm", "CH1-CH2=-5 cm", "CH1-CH2=5 s", "CH1-CH2=5 cm +- x"] {

@@ -43,6 +43,7 @@ mod signal;
 mod spectrogram;
 mod spectrum;
 mod sweep;
+mod transfer;
 mod tunability;
 #[cfg(feature = "tui")]
 mod view;
@@ -79,6 +80,7 @@ enum Command {
     List(list::Arguments),
     Show(show::Arguments),
     Spectrum(spectrum::Arguments),
+    Transfer(transfer::Arguments),
     Spectrogram(spectrogram::Arguments),
     Bands(bands::Arguments),
     Dispersion(dispersion::Arguments),
@@ -144,6 +146,7 @@ pub fn main() -> ExitCode {
         Command::List(arguments) => list::run(&arguments),
         Command::Show(arguments) => show::run(&arguments),
         Command::Spectrum(arguments) => spectrum::run(&arguments),
+        Command::Transfer(arguments) => transfer::run(&arguments),
         Command::Spectrogram(arguments) => spectrogram::run(&arguments),
         Command::Bands(arguments) => bands::run(&arguments),
         Command::Dispersion(arguments) => dispersion::run(&arguments),

@@ -11,7 +11,7 @@ use crate::analysis::spectrum::Window;
 use crate::measurement::metadata;
 use crate::quantity::{Dimension, parse};
 use crate::recording::true_signal::topic;
-use crate::recording::{Shot, TraceSet, TrueSignal};
+use crate::recording::{Capture, Shot, TraceSet, TrueSignal};
 use crate::scene::Site;
 use crate::trace::Trace;
 
@@ -105,9 +105,20 @@ pub type SelectedSignal = (Trace, Option<Site>, f64);
 
 /// The first channel that is meant.
 fn capture(set: &TraceSet, shot: &Shot) -> anyhow::Result<SelectedSignal> {
-    let Some(capture) = shot.captures.first() else {
-        return Err(no_capture(&set.problems));
-    };
+    let capture = shot.captures.first().ok_or_else(|| no_capture(&set.problems))?;
+    of_capture(set, shot, capture)
+}
+
+/// The channel called `name`, or else the truth.
+pub fn named(set: &TraceSet, shot: &Shot, name: &str) -> anyhow::Result<SelectedSignal> {
+    let is_named = |c: &&Capture| c.waveform.source.to_string().eq_ignore_ascii_case(name);
+    match shot.captures.iter().find(is_named) {
+        Some(capture) => of_capture(set, shot, capture),
+        None => truth(set, shot, name),
+    }
+}
+
+fn of_capture(set: &TraceSet, shot: &Shot, capture: &Capture) -> anyhow::Result<SelectedSignal> {
     let name = capture.waveform.source.to_string();
     let Some(mut trace) = capture.trace() else {
         bail!("{name}: found a record over frequency, expected one over time");

@@ -62,7 +62,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let spectrum = Analyser::new().spectrum(&trace, &settings)?;
     let mut peaks = spectrum.peaks(MIN_LISTED_SHARE);
     peaks.truncate(MAX_LISTED);
-    let (chain, mut notes) = chain(&set, arguments.signal.shot(), site);
+    let (chain, mut notes) = chain_at(&set, arguments.signal.shot(), site);
     notes.extend(arguments.signal.clipped(&set));
     let title = arguments.signal.title(&trace);
     let page = SpectrumPage { title, spectrum, peaks, chain, offset, notes };
@@ -77,7 +77,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 /// The chain around the sensor, or why it is not known.
-fn chain(
+pub fn chain_at(
     set: &TraceSet,
     shot: u32,
     site: Option<Site>,
@@ -112,7 +112,8 @@ fn as_json(page: &SpectrumPage) -> Value {
     let peaks = page.peaks.iter().map(|peak| {
         json!({
             "frequency_hz": peak.frequency,
-            "uncertainty_hz": peak.uncertainty,
+            "u_hz": peak.uncertain().u,
+            "U95_hz": peak.uncertain().expanded(),
             "amplitude": peak.amplitude,
             "band": page.chain.map(|chain| band(&chain, peak.frequency)),
         })

@@ -86,6 +86,7 @@ fn sensor_facts(scene: &Scene, placed: &PlacedSensor) -> Vec<(&'static str, Stri
         facts.push(("plate_capacitance_f", sensor.stack_capacitance().to_string()));
         facts.push(("cable_capacitance_f", sensor.cable_capacitance.to_string()));
     }
+    facts.extend(sensor.calibrated_host.clone().map(|host| ("calibrated_host", host)));
     let mut number = |key: &'static str, value: Option<f64>| {
         facts.extend(value.map(|value| (key, value.to_string())));
     };

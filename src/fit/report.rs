@@ -210,7 +210,7 @@ fn nuisances(
     let mut place = knobs;
     let mut take = |name: String, scale: f64| {
         if let Some(value) = x.get(place) {
-            let found_here = Uncertain { value: value * scale, u: u(place) * scale };
+            let found_here = Uncertain::normal(value * scale, u(place) * scale);
             found.push(Nuisance { name, found: found_here });
         }
         place += 1;

@@ -132,6 +132,8 @@ pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
         let name = capture.waveform.source.to_string();
         let sensor = sensors.iter().find(|sensor| sensor.channel.as_ref() == Some(&name));
         notes.extend(sensor.and_then(RecordedSensor::gain_note));
+        notes
+            .extend(sensor.zip(scene.as_ref()).and_then(|(sensor, scene)| sensor.host_note(scene)));
         let (channel, pulse) = channel(capture, sensor);
         channels.push(channel);
         pulses.extend(pulse.clone().map(|pulse| (name.clone(), pulse)));
@@ -175,7 +177,7 @@ pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
             let (value, u) = scene
                 .distance(a.place, b.place)
                 .filter(|_| !is_measured(&a.channel, &b.channel))?;
-            let distance = Uncertain { value, u };
+            let distance = Uncertain::normal(value, u);
             Some(between(distance, (&a.channel, &a.pulse), (&b.channel, &b.pulse)))
         })
     });
@@ -264,9 +266,11 @@ fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArriva
     let height = pulse.as_ref().and_then(Pulse::height);
     let sensitivity = sensor_of_volts.and_then(|sensor| sensor.sensitivity);
     let scale_u = sensor.map_or(0.0, RecordedSensor::scale_u);
+    let limit = sensor.map_or(0.0, RecordedSensor::gain_half_width);
     let force = height.zip(sensitivity).map(|(height, sensitivity)| {
+        let value = height.value / sensitivity;
         let u = height.u.hypot(height.value * scale_u) / sensitivity;
-        Uncertain { value: height.value / sensitivity, u }
+        Uncertain { value, u, half_width: value.abs() * limit }
     });
     let arrival = |estimator: Estimator| Arrival {
         estimator: estimator.key(),

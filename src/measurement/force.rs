@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 use super::metadata::{self, RecordedSensor};
 use crate::analysis::droop::{error_gain, undo_droop};
 use crate::analysis::pulse::{Conditions, Pulse, PulseError};
+use crate::quantity::coverage::expanded_95;
 use crate::recording::{Capture, Shot, TraceSet};
 use crate::scene::{Scene, SceneError, gain_u, input_load};
 use crate::scope::{ChannelSetup, Deviation, VerticalSetup};
@@ -29,6 +30,8 @@ pub struct Forces {
     pub force: Trace,
     /// Standard uncertainty of each value (N).
     pub u: Vec<f64>,
+    /// Expanded uncertainty of each value for 95 % (N).
+    pub expanded: Vec<f64>,
     /// The same without what is common to all values: noise alone (N).
     pub noise_u: Vec<f64>,
     /// Samples at the converter's ends, where the true force is larger.
@@ -96,6 +99,7 @@ pub fn wire(set: &mut TraceSet, channel: &str, sensor: &Sensor) -> Result<(), Sc
         ("time_constant_s", circuit.time_constant.to_string()),
     ];
     facts.extend(place.into_iter().flatten());
+    facts.extend(sensor.calibrated_host.clone().map(|host| ("calibrated_host", host)));
     facts.extend(sensor.measured.chain.into_iter().flat_map(InChain::facts));
     let measured = &sensor.measured;
     let uncertainty = |key, value: Option<f64>| value.map(|value| (key, value.to_string()));
@@ -166,20 +170,22 @@ fn of_channel(capture: &Capture, sensors: &[RecordedSensor]) -> Result<Forces, F
     volts.values.iter_mut().for_each(|v| *v -= pulse.baseline.level);
     let felt = undo_droop(&volts, tau);
     let (scale_u, tau_u) = (sensor.scale_u(), sensor.time_constant_u.unwrap_or(0.0));
-    let interval = felt.interval;
-    let (mut u, mut noise_u) = (Vec::new(), Vec::new());
+    let (interval, limit) = (felt.interval, sensor.gain_half_width());
+    let (mut u, mut expanded, mut noise_u) = (Vec::new(), Vec::new(), Vec::new());
     for (index, (felt, volts)) in felt.values.iter().zip(&volts.values).enumerate() {
         let gain = error_gain(index, interval, tau);
         let noise = gain.noise * pulse.noise;
         let rest =
             [felt * scale_u, (felt - volts) * tau_u, gain.baseline * pulse.baseline.uncertainty];
         noise_u.push(noise / sensitivity);
-        u.push(rest.iter().fold(noise, |sum, part| sum.hypot(*part)) / sensitivity);
+        let whole = rest.iter().fold(noise, |sum, part| sum.hypot(*part)) / sensitivity;
+        expanded.push(expanded_95(whole, felt.abs() * limit / sensitivity));
+        u.push(whole);
     }
     let values = felt.values.iter().map(|v| v / sensitivity).collect();
     let name = format!("{channel}, sensor {}", sensor.name);
     let force = Trace { name, unit: "N".to_owned(), values, ..felt };
-    Ok(Forces { channel, sensor: sensor.clone(), force, u, noise_u, clipped })
+    Ok(Forces { channel, sensor: sensor.clone(), force, u, expanded, noise_u, clipped })
 }
 
 /// A record that is in newtons already, as it stands; only its noise is known.
@@ -188,6 +194,7 @@ fn of_newtons(capture: &Capture, channel: String) -> Result<Forces, ForcesError>
     let level = capture.waveform.preamble.y_mult.abs();
     let noise = Pulse::find(&force, Conditions { level, ..Conditions::default() })?.noise;
     let u = vec![noise; force.values.len()];
+    let expanded = u.iter().map(|u| expanded_95(*u, 0.0)).collect();
     let sensor = RecordedSensor {
         name: "in newtons".to_owned(),
         channel: Some(channel.clone()),
@@ -198,7 +205,8 @@ fn of_newtons(capture: &Capture, channel: String) -> Result<Forces, ForcesError>
         sensitivity_u: None,
         time_constant: None,
         time_constant_u: None,
+        calibrated_host: None,
     };
     let clipped = capture.waveform.clipped();
-    Ok(Forces { channel, sensor, force, noise_u: u.clone(), u, clipped })
+    Ok(Forces { channel, sensor, force, noise_u: u.clone(), u, expanded, clipped })
 }

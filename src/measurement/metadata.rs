@@ -33,6 +33,8 @@ pub struct RecordedSensor {
     pub time_constant: Option<f64>,
     /// Relative standard uncertainty of the time constant, where the sensor was calibrated (1).
     pub time_constant_u: Option<f64>,
+    /// Kind of the particle in which it was calibrated, where that is told.
+    pub calibrated_host: Option<String>,
 }
 
 /// A distance along the chain between two channels' sensors, as the experimenter measured it.
@@ -70,7 +72,7 @@ pub fn distances(set: &TraceSet) -> Vec<RecordedDistance> {
             Some(RecordedDistance {
                 from: facts.get("from")?.clone(),
                 to: facts.get("to")?.clone(),
-                distance: Uncertain { value: number("distance_m")?, u: number("distance_u_m")? },
+                distance: Uncertain::normal(number("distance_m")?, number("distance_u_m")?),
             })
         })
         .collect()
@@ -134,6 +136,11 @@ impl RecordedSensor {
         self.sensitivity_u.unwrap_or(0.0).hypot(self.gain_u)
     }
 
+    /// Relative limit within which the channel's gain is evenly distributed; 0 where it is normal, as the quotient of two ranges' gains (1).
+    pub fn gain_half_width(&self) -> f64 {
+        if self.chain.is_some() { 0.0 } else { 3f64.sqrt() * self.gain_u }
+    }
+
     /// What to say where the channel's gain counts.
     pub fn gain_note(&self) -> Option<String> {
         if self.gain_u <= 0.0 {
@@ -148,6 +155,21 @@ impl RecordedSensor {
             "{channel}: newtons count the scope's gain with u = {:.2} %, from its data sheet{chain}",
             100.0 * self.gain_u
         ))
+    }
+
+    /// What to say where it sits in another kind of particle in `scene` than it was calibrated in.
+    pub fn host_note(&self, scene: &Scene) -> Option<String> {
+        let (calibrated, Site::Particle(particle)) = (self.calibrated_host.as_ref()?, self.site()?)
+        else {
+            return None;
+        };
+        let host = &scene.chain.bodies().get(scene.chain.body_of(particle))?.name;
+        (**host != **calibrated).then(|| {
+            format!(
+                "{}: its sensor was calibrated in {calibrated} and sits in {host}: another host passes another share of the force to the plate, in a heavy one about 30 % less than in a light one",
+                self.name
+            )
+        })
     }
 
     /// Its host, where that is told.
@@ -185,6 +207,7 @@ fn sensor(facts: &BTreeMap<String, String>) -> RecordedSensor {
         chain: InChain::of_facts(facts),
         time_constant: number("time_constant_s"),
         time_constant_u: number("time_constant_u_relative"),
+        calibrated_host: facts.get("calibrated_host").cloned(),
     }
 }
 

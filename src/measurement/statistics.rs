@@ -9,7 +9,6 @@ use serde::Serialize;
 
 use super::arrivals::{ChannelArrivals, Survey};
 use crate::numeric::statistics::StraightLine;
-use crate::quantity::Uncertain;
 use crate::quantity::coverage::student_95;
 
 /// Repeatability limit over standard deviation: 1.96 times the square root of two (1).
@@ -42,17 +41,26 @@ pub struct ShotStatistic {
     pub mean_u: Option<f64>,
     /// Repeatability limit (unit).
     pub repeatability: Option<f64>,
-    /// Change from one shot to the next, with its standard uncertainty; none for fewer than three shots.
-    pub trend: Option<Uncertain>,
-    /// Coverage factor of the trend's expanded uncertainty, Student's t of the shots less two (1).
-    pub trend_coverage_factor: f64,
+    /// Change from one shot to the next; none for fewer than three shots.
+    pub trend: Option<ShotTrend>,
+}
+
+/// The slope of a straight line through values over the shot's number.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ShotTrend {
+    /// Change from one shot to the next (unit).
+    pub value: f64,
+    /// Its standard uncertainty, from the scatter about the line (unit).
+    pub u: f64,
+    /// Its expanded uncertainty for 95 %, by Student's t of the shots less two (unit).
+    #[serde(rename = "U95")]
+    pub expanded: f64,
 }
 
 impl ShotStatistic {
     /// Whether the trend is beyond one and a half times its expanded uncertainty.
     pub fn drifts(&self) -> bool {
-        let factor = DRIFT_FACTOR * self.trend_coverage_factor;
-        self.trend.is_some_and(|trend| trend.value.abs() > factor * trend.u)
+        self.trend.is_some_and(|trend| trend.value.abs() > DRIFT_FACTOR * trend.expanded)
     }
 }
 
@@ -122,7 +130,6 @@ fn add(
         mean_u: None,
         repeatability: None,
         trend: None,
-        trend_coverage_factor: student_95(f64::INFINITY),
     };
     all.push((statistic, vec![value]));
 }
@@ -134,8 +141,10 @@ fn completed(statistic: ShotStatistic, values: &[(f64, f64)]) -> ShotStatistic {
     let value = line.mean.1;
     let squares: f64 = values.iter().map(|(_, x)| (x - value).powi(2)).sum();
     let deviation = (values.len() > 1).then(|| (squares / (n - 1.0)).sqrt());
-    let trend =
-        (values.len() > 2).then(|| Uncertain { value: line.slope, u: line.slope_u(values.len()) });
+    let trend = (values.len() > 2).then(|| {
+        let u = line.slope_u(values.len());
+        ShotTrend { value: line.slope, u, expanded: student_95(n - 2.0) * u }
+    });
     ShotStatistic {
         shots: values.len(),
         mean: value,
@@ -143,7 +152,6 @@ fn completed(statistic: ShotStatistic, values: &[(f64, f64)]) -> ShotStatistic {
         mean_u: deviation.map(|deviation| deviation / n.sqrt()),
         repeatability: deviation.map(|deviation| REPEATABILITY_FACTOR * deviation),
         trend,
-        trend_coverage_factor: student_95(n - 2.0),
         ..statistic
     }
 }
@@ -171,10 +179,14 @@ mod tests {
             (trend.value - 1.1).abs() < 1e-12 && (trend.u - 0.27f64.sqrt()).abs() < 1e-12,
             "{trend:?}"
         );
-        // 1.1 is 2.1 times its uncertainty, and Student's t of two degrees of freedom is 4.3.
+        // Student's t of two degrees of freedom, JCGM 100:2008, table G.2.
+        assert!((trend.expanded / trend.u - 4.30).abs() < 0.005);
+        // 1.1 is 2.1 times its uncertainty.
         assert!(!found.drifts());
-        let sharper =
-            |u| ShotStatistic { trend: Some(Uncertain { value: 1.1, u }), ..found.clone() };
+        let sharper = |u| {
+            let trend = Some(ShotTrend { value: 1.1, u, expanded: student_95(2.0) * u });
+            ShotStatistic { trend, ..found.clone() }
+        };
         assert!(!sharper(0.18).drifts() && sharper(0.16).drifts());
     }
 }

@@ -20,7 +20,7 @@ pub use printable::{printable, printable_line};
 
 use std::fmt;
 
-use coverage::NORMAL_95;
+use coverage::expanded_95;
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
 /// A number with its standard uncertainty; JSON has `value`, `u`, and `U95`, the expanded uncertainty that is printed behind `±`.
@@ -30,18 +30,25 @@ pub struct Uncertain {
     pub value: f64,
     /// Its standard uncertainty (unit).
     pub u: f64,
+    /// Half-width of the evenly distributed part in that, such as a gain within a data sheet's limits; the rest is normal (unit).
+    pub half_width: f64,
 }
 
 impl Uncertain {
+    /// A normally distributed quantity.
+    pub fn normal(value: f64, u: f64) -> Self {
+        Self { value, u, half_width: 0.0 }
+    }
+
     /// Expanded uncertainty for 95 % of a quantity whose standard uncertainty is known well (unit).
     pub fn expanded(self) -> f64 {
-        NORMAL_95 * self.u
+        expanded_95(self.u, self.half_width)
     }
 
     /// This over another, independent of it.
     pub fn over(self, other: Self) -> Self {
         let value = self.value / other.value;
-        Self { value, u: (value * (self.u / self.value).hypot(other.u / other.value)).abs() }
+        Self::normal(value, (value * (self.u / self.value).hypot(other.u / other.value)).abs())
     }
 }
 

@@ -66,7 +66,7 @@ fn row(channel: &ChannelArrivals) -> Vec<String> {
 /// The distance, with its expanded uncertainty where the scene states one.
 fn distance(speed: &SpeedBetween) -> String {
     if speed.distance_u_m > 0.0 {
-        with(Some(Uncertain { value: speed.distance_m, u: speed.distance_u_m }), "m")
+        with(Some(Uncertain::normal(speed.distance_m, speed.distance_u_m)), "m")
     } else {
         engineering(speed.distance_m, "m", 5)
     }

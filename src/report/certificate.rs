@@ -89,11 +89,16 @@ impl Certificate<'_> {
             ("temperature", report.temperature_k.map_or("not stated".to_owned(), celsius)),
             (
                 "load",
-                format!(
-                    "{} and {} at the scope's input",
-                    engineering(report.input_resistance_ohm, "Ohm", 3),
-                    engineering(report.input_capacitance_f, "F", 3)
-                ),
+                match report.charge_amplifier_v_per_c {
+                    Some(gain) => {
+                        format!("a charge amplifier of {} mV/pC", 1e-9 * gain)
+                    }
+                    None => format!(
+                        "{} and {} at the scope's input",
+                        engineering(report.input_resistance_ohm.unwrap_or(f64::NAN), "Ohm", 3),
+                        engineering(report.input_capacitance_f.unwrap_or(f64::NAN), "F", 3)
+                    ),
+                },
             ),
             ("mass traceable to", or_not_stated(report.traceability_mass.as_ref())),
             ("speed traceable to", or_not_stated(report.traceability_speed.as_ref())),
@@ -135,7 +140,7 @@ pub fn pictures(found: &Calibration, report: &CalibrationReport) -> Vec<(String,
             x_label: "time after the trigger".to_owned(),
             y_label: "force (N); grey: the voltage over S".to_owned(),
         };
-        (name, chart_over(&curve, &points(&impact.signal), &title, ("s", "N")))
+        (name, chart_over(&curve, &[points(&impact.signal)], &title, ("s", "N")))
     };
     found.impacts.iter().zip(&report.impacts).map(picture).collect()
 }

@@ -4,6 +4,9 @@ use super::plot::{Curve, PointSet};
 use super::sheet::{Axis, Plot, Polyline, Sheet, Stroke, sheet_svg, ticks};
 use crate::quantity::engineering;
 
+/// Points of a line in order (unit).
+pub type PlotLine = Vec<(f64, f64)>;
+
 /// Size of the plot's frame (pixels).
 pub(super) const SIZE: (f64, f64) = (780.0, 356.0);
 /// Height of a mark's name, as a share of the frame's (1).
@@ -19,9 +22,21 @@ pub fn chart(curve: &Curve, title: &str, units: (&str, &str)) -> String {
     chart_over(curve, &[], title, units)
 }
 
-/// The same with the points `under` as a second line below it.
-pub fn chart_over(curve: &Curve, under: &[(f64, f64)], title: &str, units: (&str, &str)) -> String {
-    let all = Curve { points: [&curve.points, under].concat(), ..curve.clone() };
+/// The same with the lines `under` below it, each with its points in order.
+pub fn chart_over(curve: &Curve, under: &[PlotLine], title: &str, units: (&str, &str)) -> String {
+    picture(title, plot_over(curve, under, units))
+}
+
+/// The picture of several curves, each in a plot of its own with the lines under it.
+pub fn charts_over(panels: &[(Curve, Vec<PlotLine>)], title: &str, units: (&str, &str)) -> String {
+    let panels = panels.iter().map(|(curve, under)| plot_over(curve, under, units)).collect();
+    let (legend, note) = (Vec::new(), String::new());
+    sheet_svg(&Sheet { title: title.to_owned(), columns: 1, size: SIZE, panels, legend, note })
+}
+
+fn plot_over(curve: &Curve, under: &[PlotLine], units: (&str, &str)) -> Plot {
+    let points = [curve.points.clone(), under.concat()].concat();
+    let all = Curve { points, ..curve.clone() };
     let ((x0, x1), (y0, y1)) = all.bounds();
     let x = axis(&curve.x_label, (x0, x1), units.0);
     let mut plot = Plot::new(&curve.y_label, x, axis("", (y0, y1), units.1));
@@ -32,12 +47,13 @@ pub fn chart_over(curve: &Curve, under: &[(f64, f64)], title: &str, units: (&str
         let height = y1 - f64::from(number) * NAME_HEIGHT * (y1 - y0);
         plot.words.push((place + NAME_DISTANCE * (x1 - x0), height, name.clone()));
     }
-    for (points, colour) in [(under, BACKGROUND_COLOUR), (&*curve.points, CURVE_COLOUR)] {
+    let below = under.iter().map(|points| (points, BACKGROUND_COLOUR));
+    for (points, colour) in below.chain([(&curve.points, CURVE_COLOUR)]) {
         if !points.is_empty() {
             plot.lines.push(line(points, colour, Stroke::Solid));
         }
     }
-    picture(title, plot)
+    plot
 }
 
 /// The picture of several curves with points on them, its axes labelled, from zero in both directions.

@@ -177,7 +177,7 @@ pub fn comparison_parts(compared: &Compared, stem: &str) -> Vec<Part> {
         let name = &score.name;
         let under: Vec<(f64, f64)> = curve(&pair.simulated, "").points;
         let title = format!("{name}: measured (blue) over simulated (grey)");
-        let both = chart_over(&curve(&pair.measured, "volts"), &under, &title, ("s", "V"));
+        let both = chart_over(&curve(&pair.measured, "volts"), &[under], &title, ("s", "V"));
         let residual = curve(&pair.residual(), "measured less simulated");
         let apart = chart(&residual, &format!("{name}: difference"), ("s", "V"));
         parts.push(Part::Heading(2, name.clone()));

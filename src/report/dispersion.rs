@@ -81,8 +81,8 @@ impl DispersionPage {
             format!(
                 "  measured    over {} unit cells; resolution {} in frequency, {:.3} rad in k a",
                 self.cells,
-                hertz(found.frequency_u),
-                found.phase_u
+                hertz(found.frequency_resolution),
+                found.phase_resolution
             ),
             String::new(),
         ];

@@ -167,7 +167,7 @@ pub fn fit_parts(fit: &Fit, stem: &str) -> Vec<Part> {
         let mut left = left.map(|((m, s), counts)| if *counts { m - s } else { 0.0 });
         let residual = curve(&mut left, "measured less fitted");
         let title = format!("{name}: measured (blue) over fitted (grey)");
-        let both = chart_over(&measured, &under, &title, ("s", "V"));
+        let both = chart_over(&measured, &[under], &title, ("s", "V"));
         let apart = chart(&residual, &format!("{name}: residual"), ("s", "V"));
         parts.push(Part::Heading(2, name.clone()));
         parts.push(Part::Picture(format!("{stem}-{name}.svg"), title, both));

@@ -1,14 +1,14 @@
 //! Forces by calibrated sensors as a page of text and as a curve.
 
 use super::plot::{Curve, braille};
-use super::table;
+use super::{charts_over, table};
 use crate::measurement::arrivals::sensitivities_unknown;
 use crate::measurement::force::Forces;
 use crate::quantity::coverage::NORMAL_95;
 use crate::quantity::engineering;
 
 /// Force over time.
-pub fn force_curve(forces: &Forces) -> Curve {
+fn force_curve(forces: &Forces) -> Curve {
     let values = forces.force.values.iter().enumerate();
     Curve {
         points: values.map(|(i, force)| (forces.force.time(i), *force)).collect(),
@@ -18,14 +18,29 @@ pub fn force_curve(forces: &Forces) -> Curve {
     }
 }
 
+/// Forces of all channels with their expanded uncertainties, as a picture.
+pub fn force_picture(found: &[Forces], title: &str) -> String {
+    let panel = |forces: &Forces| {
+        let samples = || forces.force.values.iter().zip(&forces.expanded).enumerate();
+        let edge = |sign: f64| {
+            samples().map(move |(i, (force, u))| (forces.force.time(i), force + sign * u))
+        };
+        let y_label = format!("{} (N); grey: 95 %", forces.force.name);
+        let edges = [-1.0, 1.0].map(|sign| edge(sign).collect()).to_vec();
+        (Curve { y_label, ..force_curve(forces) }, edges)
+    };
+    charts_over(&found.iter().map(panel).collect::<Vec<_>>(), title, ("s", "N"))
+}
+
 /// The page that `force` prints.
 pub fn forces(found: &[Forces], problems: &[String]) -> String {
     let heading =
         ["", "sensor", "sensitivity", "tau", "largest force", "U95", "at", "U95 of noise"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     for channel in found {
-        let values = channel.force.values.iter().zip(&channel.u).zip(&channel.noise_u).enumerate();
-        let Some((index, ((force, u), noise))) =
+        let values =
+            channel.force.values.iter().zip(&channel.expanded).zip(&channel.noise_u).enumerate();
+        let Some((index, ((force, expanded), noise))) =
             values.max_by(|a, b| a.1.0.0.abs().total_cmp(&b.1.0.0.abs()))
         else {
             continue;
@@ -40,7 +55,7 @@ pub fn forces(found: &[Forces], problems: &[String]) -> String {
             or_none(sensor.sensitivity, "V/N"),
             or_none(sensor.time_constant, "s"),
             engineering(*force, "N", 4),
-            engineering(NORMAL_95 * u, "N", 2),
+            engineering(*expanded, "N", 2),
             engineering(channel.force.time(index), "s", 4),
             engineering(NORMAL_95 * noise, "N", 2),
         ]);

@@ -30,18 +30,19 @@ mod summary;
 mod sweep;
 mod table;
 pub mod text;
+pub mod transfer;
 mod tunability;
 mod uncertainty;
 mod work_precision;
 
 pub use arrivals::arrivals;
-pub use chart::{chart, chart_over};
+pub use chart::{chart, chart_over, charts_over};
 pub use comparison::{comparison, comparison_facts, comparison_parts};
 pub use contents::{contents, contents_after, contents_before, contents_of};
 pub use dispersion::{bands, bands_curve};
 pub use effects::{effects, effects_svg};
 pub use fit::{blind, fit, fit_parts};
-pub use forces::{force_curve, forces};
+pub use forces::{force_picture, forces};
 pub use hard_cases::{hard_cases, hard_cases_svg};
 pub use paper::{PaperPicture, paper, paper_parts, paper_pictures};
 #[cfg(feature = "png")]

@@ -42,6 +42,15 @@ pub fn band(chain: &DiatomicChain, frequency: f64) -> &'static str {
     }
 }
 
+/// The band edges of `chain` as marks of a curve over frequency.
+pub(super) fn band_marks(chain: &DiatomicChain) -> [(f64, String); 3] {
+    [
+        (chain.gap_bottom(), "f1, the gap's lower edge".to_owned()),
+        (chain.gap_top(), "f2, the gap's upper edge".to_owned()),
+        (chain.cutoff(), "f3, top of the optical branch".to_owned()),
+    ]
+}
+
 impl SpectrumPage {
     /// The spectrum from zero to where little is left, with the band edges marked.
     pub fn curve(&self) -> Curve {
@@ -54,16 +63,9 @@ impl SpectrumPage {
         };
         let points = spectrum.amplitude.iter().enumerate();
         let points = points.map(|(bin, a)| (spectrum.frequency(bin), *a));
-        let marks = self.chain.iter().flat_map(|chain| {
-            [
-                (chain.gap_bottom(), "f1, the gap's lower edge".to_owned()),
-                (chain.gap_top(), "f2, the gap's upper edge".to_owned()),
-                (chain.cutoff(), "f3, top of the optical branch".to_owned()),
-            ]
-        });
         Curve {
             points: points.take_while(|(f, _)| *f <= end.max(2.0 * spectrum.step)).collect(),
-            marks: marks.collect(),
+            marks: self.chain.iter().flat_map(band_marks).collect(),
             x_label: "frequency".to_owned(),
             y_label: format!("{} ({})", spectrum.convention, spectrum.unit),
         }
@@ -89,6 +91,7 @@ impl SpectrumPage {
         if self.offset != 0.0 {
             lines.push(format!("  offset      {:.6e} subtracted from every sample", self.offset));
         }
+        lines.push("  lines       ± is the expanded uncertainty (95 %)".to_owned());
         lines.push(String::new());
         lines.extend(self.peak_lines());
         lines.push(String::new());
@@ -105,7 +108,7 @@ impl SpectrumPage {
         rows.extend(self.peaks.iter().map(|peak| {
             let mut row = vec![
                 engineering(peak.frequency, "Hz", 5),
-                engineering(peak.uncertainty, "Hz", 2),
+                engineering(peak.uncertain().expanded(), "Hz", 2),
                 format!("{:.4e}", peak.amplitude),
             ];
             row.extend(self.chain.map(|chain| band(&chain, peak.frequency).to_owned()));

@@ -18,7 +18,7 @@ pub fn statistics(found: &[ShotStatistic]) -> String {
         let relative = statistic.standard_deviation.filter(|_| statistic.unit != "s");
         let relative = relative.map(|s| 100.0 * s / statistic.mean.abs());
         let trend = statistic.trend.map_or("-".to_owned(), |trend| {
-            format!("{} ± {}", shown(trend.value), shown(statistic.trend_coverage_factor * trend.u))
+            format!("{} ± {}", shown(trend.value), shown(trend.expanded))
         });
         rows.push(vec![
             match &statistic.to {
@@ -44,14 +44,14 @@ pub fn statistics(found: &[ShotStatistic]) -> String {
 
 /// The same as a CSV table, one row a quantity.
 pub fn statistics_csv(found: &[ShotStatistic]) -> String {
-    let mut text = "quantity,channel,to,estimator,unit,shots,mean,standard_deviation,mean_u,repeatability,trend_per_shot,trend_u\n".to_owned();
+    let mut text = "quantity,channel,to,estimator,unit,shots,mean,standard_deviation,mean_u,repeatability,trend_per_shot,trend_u,trend_U95\n".to_owned();
     for statistic in found {
         let or_empty =
             |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:e}"));
         // Writing to a String cannot fail.
         let _ = writeln!(
             text,
-            "{},{},{},{},{},{},{:e},{},{},{},{},{}",
+            "{},{},{},{},{},{},{:e},{},{},{},{},{},{}",
             statistic.quantity,
             statistic.channel,
             statistic.to.as_deref().unwrap_or_default(),
@@ -64,6 +64,7 @@ pub fn statistics_csv(found: &[ShotStatistic]) -> String {
             or_empty(statistic.repeatability),
             or_empty(statistic.trend.map(|trend| trend.value)),
             or_empty(statistic.trend.map(|trend| trend.u)),
+            or_empty(statistic.trend.map(|trend| trend.expanded)),
         );
     }
     text

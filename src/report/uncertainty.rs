@@ -119,21 +119,22 @@ pub fn band_picture(band: &TraceBand, title: &str) -> String {
     let points = |values: &[f64]| -> Vec<(f64, f64)> {
         values.iter().enumerate().map(|(index, volts)| (time(index), *volts)).collect()
     };
-    let edges = points(&band.low_v).into_iter().chain(points(&band.high_v).into_iter().rev());
     let curve = Curve {
         points: points(&band.nominal_v),
         marks: Vec::new(),
         x_label: "time after the trigger".to_owned(),
         y_label: "volts; grey: 95 % of the traces".to_owned(),
     };
-    chart_over(&curve, &edges.collect::<Vec<_>>(), title, ("s", "V"))
+    chart_over(&curve, &[points(&band.low_v), points(&band.high_v)], title, ("s", "V"))
 }
 
 /// Normalised errors as lines of `compare`.
 pub fn normalised_error_lines(errors: &[NormalisedError]) -> Vec<String> {
     let mut lines = vec!["by what both sides know (E_n up to 1 agrees)".to_owned()];
     let mut rows = vec![["", "measured", "simulated", "E_n"].map(str::to_owned).to_vec()];
-    let shown = |number: Uncertain, unit: &str| with(number.value, number.expanded(), unit);
+    let shown = |number: Option<Uncertain>, unit: &str| {
+        number.map_or("-".to_owned(), |number| with(number.value, number.expanded(), unit))
+    };
     rows.extend(errors.iter().map(|error| {
         let (measured, simulated) =
             (shown(error.measured, error.unit), shown(error.simulated, error.unit));
@@ -146,4 +147,25 @@ pub fn normalised_error_lines(errors: &[NormalisedError]) -> Vec<String> {
         lines.push(format!("  would agree  {}: {}", error.quantity, moves.join(", ")));
     }
     lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Both edges and the trace, each a line from left to right: a line that turns back would be thinned to its way there.
+    #[test]
+    fn a_band_has_two_edges() {
+        let wave = |by: f64| (0..5000).map(|i| by + (f64::from(i) / 300.0).sin()).collect();
+        let band = TraceBand {
+            channel: "CH1".to_owned(),
+            start_s: 0.0,
+            interval_s: 1e-6,
+            nominal_v: wave(0.0),
+            low_v: wave(-0.5),
+            high_v: wave(0.5),
+        };
+        let svg = band_picture(&band, "a band");
+        assert_eq!(svg.matches("stroke-linejoin").count(), 3, "{svg}");
+    }
 }

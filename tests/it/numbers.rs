@@ -1,5 +1,6 @@
 //! Numbers that someone signs: distances, uncertainties that cover, and refusals of what is not determined.
 
+mod coverage;
 mod distances;
 mod fits;
 mod forward;

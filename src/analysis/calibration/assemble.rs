@@ -43,10 +43,13 @@ pub fn assemble(
     }
     let budget = propagate(&model);
     let u = budget.iter().map(|line| line.contribution.powi(2)).sum::<f64>().sqrt();
+    let half_width = common.gain.half_width / common.gain.value * sensitivity;
+    let normal = (u * u - half_width * half_width / 3.0).max(0.0).sqrt();
     let mut calibration = Calibration {
         sensitivity,
         u,
-        freedom: model.freedom(u),
+        half_width,
+        freedom: model.freedom(normal),
         tau,
         tau_u: model.tau_u(),
         tau_fitted: common.tau.is_none(),

@@ -5,7 +5,7 @@ use super::exclusion::Exclusion;
 use super::impact::{Impact, RawRecord};
 use super::model::StrikerMotion;
 use super::monte_carlo::MonteCarlo;
-use crate::quantity::coverage::student_95;
+use crate::quantity::coverage::{NORMAL_95, expanded_95, student_95};
 
 /// One impact as the plan tells it.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,7 +94,9 @@ pub struct Calibration {
     pub sensitivity: f64,
     /// Its standard uncertainty (V/N).
     pub u: f64,
-    /// Effective degrees of freedom of that, by Welch and Satterthwaite (1).
+    /// Half-width of the evenly distributed part of that, a gain within a data sheet's limits (V/N).
+    pub half_width: f64,
+    /// Effective degrees of freedom of the other, normal part, by Welch and Satterthwaite (1).
     pub freedom: f64,
     /// Time constant (s).
     pub tau: f64,
@@ -125,13 +127,15 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// Coverage factor of 95 % for the effective degrees of freedom (1).
+    /// Coverage factor of 95 % (1).
     pub fn coverage_factor(&self) -> f64 {
-        student_95(self.freedom)
+        self.expanded() / self.u
     }
 
-    /// Expanded uncertainty of the sensitivity for 95 % (V/N).
+    /// Expanded uncertainty of the sensitivity for 95 %: the normal part by Student's t, the even one by its limits (V/N).
     pub fn expanded(&self) -> f64 {
-        self.coverage_factor() * self.u
+        let even = self.half_width / 3f64.sqrt();
+        let normal = (self.u * self.u - even * even).max(0.0).sqrt();
+        expanded_95(even.hypot(normal * student_95(self.freedom) / NORMAL_95), self.half_width)
     }
 }

@@ -109,6 +109,8 @@ pub struct InputQuantity {
     pub value: f64,
     /// Its standard uncertainty (unit).
     pub u: f64,
+    /// Whether it is evenly distributed within `sqrt(3) u`, instead of normally.
+    pub is_even: bool,
     /// Its unit.
     pub unit: &'static str,
 }
@@ -146,12 +148,13 @@ impl Common {
 
     /// The shared inputs, in the places that the model looks for them.
     pub(super) fn inputs(&self) -> Vec<InputQuantity> {
-        let none = Uncertain { value: f64::NAN, u: 0.0 };
+        let none = Uncertain::normal(f64::NAN, 0.0);
         let one = |kind, quantity: Uncertain, unit| InputQuantity {
             kind,
             which: String::new(),
             value: quantity.value,
             u: quantity.u,
+            is_even: quantity.half_width > 0.0,
             unit,
         };
         let mut inputs = vec![

@@ -2,7 +2,7 @@
 
 use super::impact::Impact;
 pub use super::inputs::{Common, InputKind, InputQuantity, SpeedSource, StrikerMotion};
-use super::tail::Tail;
+use super::tail::{Tail, mean};
 use crate::quantity::coverage::effective_freedom;
 
 /// One impact within the model.
@@ -72,7 +72,14 @@ impl MeasurementEquation {
         }
         for kind in [InputKind::Scatter, InputKind::NonLinearity] {
             let which = String::new();
-            model.inputs.push(InputQuantity { kind, which, value: 0.0, u: 0.0, unit: "V/N" });
+            model.inputs.push(InputQuantity {
+                kind,
+                which,
+                value: 0.0,
+                u: 0.0,
+                is_even: false,
+                unit: "V/N",
+            });
         }
         model.weigh_impacts();
         model.add_scatter();
@@ -90,8 +97,14 @@ impl MeasurementEquation {
     fn add_own_inputs(&mut self, index: usize, tau: f64) {
         let Some(ImpactModel { impact, motion, tail, .. }) = self.parts.get(index) else { return };
         let which = format!("impact {}", self.places.get(index).map_or(0, |place| place + 1));
-        let input =
-            |kind, value, u, unit| InputQuantity { kind, which: which.clone(), value, u, unit };
+        let input = |kind, value, u, unit| InputQuantity {
+            kind,
+            which: which.clone(),
+            value,
+            u,
+            is_even: false,
+            unit,
+        };
         let speed = |kind, speed: SpeedSource| {
             let (quantity, unit) = speed.quantity();
             input(kind, quantity.value, quantity.u, unit)
@@ -259,10 +272,8 @@ impl MeasurementEquation {
 
     /// The time constant from the records' ends, with its standard uncertainty, used or not (s).
     pub fn tail_tau(&self) -> Option<(f64, f64)> {
-        let tails: Vec<&Tail> = self.parts.iter().filter_map(|part| part.tail.as_ref()).collect();
-        let weights: f64 = tails.iter().map(|tail| tail.weight()).sum();
-        let inverse = tails.iter().map(|t| t.weight() * t.inverse_tau).sum::<f64>() / weights;
-        (weights > 0.0).then(|| (1.0 / inverse, weights.powf(-0.5) / (inverse * inverse)))
+        let (inverse, u) = mean(self.parts.iter().filter_map(|part| part.tail.as_ref()))?;
+        Some((1.0 / inverse, u / (inverse * inverse)))
     }
 
     /// Each impact's sensitivity and its own standard uncertainty (V/N).

@@ -9,6 +9,8 @@ use crate::analysis::rounding::Rounding;
 
 /// The end of the contact is not sharp: the fit begins this share of the contact later (1).
 const TAIL_DELAY_SHARE: f64 = 0.3;
+/// A leak this many standard uncertainties above zero is one (1).
+const MIN_LEAK_DEVIATIONS: f64 = 3.0;
 /// Fewer samples behind the contact than this tell nothing.
 const MIN_TAIL_SAMPLES: usize = 100;
 
@@ -23,16 +25,35 @@ pub struct Tail {
     pub per_baseline: f64,
     /// Standard uncertainty of the baseline (V).
     pub baseline_u: f64,
+    /// Sum of the voltage over the contact over the noise of one sample (1).
+    pub charge: f64,
 }
 
 impl Tail {
-    /// Weight among several, one over the square of the standard uncertainty (s^2).
+    /// Weight among several (1).
+    ///
+    /// Uncertainties go with one over what the contact leaves to leak away; their own estimates would favour records whose errors make the leak low.
     pub fn weight(&self) -> f64 {
-        1.0 / (self.noise_u.powi(2) + (self.per_baseline * self.baseline_u).powi(2))
+        self.charge * self.charge
+    }
+
+    fn variance(&self) -> f64 {
+        self.noise_u.powi(2) + (self.per_baseline * self.baseline_u).powi(2)
     }
 }
 
-/// Fits the end of `record`; none where there is too little, or no leak above the noise.
+/// Weighted mean of `1/tau` and its standard uncertainty (1/s).
+pub fn mean<'a>(tails: impl Iterator<Item = &'a Tail>) -> Option<(f64, f64)> {
+    let (mut sum, mut weights, mut variance) = (0.0, 0.0, 0.0);
+    for tail in tails {
+        sum += tail.weight() * tail.inverse_tau;
+        variance += tail.weight().powi(2) * tail.variance();
+        weights += tail.weight();
+    }
+    (weights > 0.0).then(|| (sum / weights, variance.sqrt() / weights))
+}
+
+/// Fits the end of `record`; none where there is too little.
 pub fn fit(record: &RawRecord) -> Option<Tail> {
     let prepared = PreparedRecord::new(record).ok()?;
     let signal = &prepared.signal;
@@ -55,19 +76,17 @@ pub fn fit(record: &RawRecord) -> Option<Tail> {
         noise_u: slope * noise_u(values, first, leak, prepared.baseline.rounding, prepared.noise),
         per_baseline: (inverse(higher) - inverse(lower)) / (2.0 * steps),
         baseline_u: prepared.baseline.uncertainty,
+        charge: values.get(..first)?.iter().sum::<f64>() / prepared.noise,
     };
-    // Two thousand time constants in a record or none at all: that is not a droop.
-    (tail.inverse_tau > 3.0 * tail.weight().powf(-0.5)).then_some(tail)
+    (tail.weight().is_finite() && tail.variance().is_finite()).then_some(tail)
 }
 
-/// `tau` from several records (s).
+/// `tau` from several records; none where they show no leak above the noise (s).
+///
+/// All records count, however little each tells: without those whose leak comes out low by chance the mean would be too high.
 pub fn weighted_mean(tails: &[Option<Tail>]) -> Option<f64> {
-    let (mut sum, mut weights) = (0.0, 0.0);
-    for tail in tails.iter().flatten() {
-        sum += tail.weight() * tail.inverse_tau;
-        weights += tail.weight();
-    }
-    (sum > 0.0).then(|| weights / sum)
+    let (inverse, u) = mean(tails.iter().flatten())?;
+    (inverse > MIN_LEAK_DEVIATIONS * u).then(|| 1.0 / inverse)
 }
 
 /// `1 - a` for a baseline that is `off` higher.

@@ -20,8 +20,9 @@ pub fn report(
 ) -> CalibrationReport {
     let named: Particulars = plan.particulars.clone();
     let half = found.expanded();
-    let chain = evidence.first().cloned().filter(|_| plan.gain_u.is_none());
+    let chain = evidence.first().cloned().filter(|_| plan.gain.is_none());
     let chain = chain.as_ref();
+    let is_loaded = plan.charge_amplifier.is_none();
     let impacts = found.impacts.iter().zip(&plan.impacts).zip(evidence);
     let striker = |index: usize| plan.strikers.get(index).map_or("", |(name, _)| name);
     CalibrationReport {
@@ -36,9 +37,11 @@ pub fn report(
         software: concat!("hertzscope ", env!("CARGO_PKG_VERSION")).to_owned(),
         method: METHOD.to_owned(),
         plan_sha256: hexadecimal(&Sha256::digest(&plan.text)),
-        input_resistance_ohm: plan.load.resistance,
-        input_capacitance_f: plan.load.capacitance,
-        in_chain: plan.gain_u.is_none(),
+        input_resistance_ohm: is_loaded.then_some(plan.load.resistance),
+        input_capacitance_f: is_loaded.then_some(plan.load.capacitance),
+        charge_amplifier_v_per_c: plan.charge_amplifier,
+        charge_sensitivity_c_per_n: plan.charge_amplifier.map(|gain| found.sensitivity / gain),
+        in_chain: plan.gain.is_none(),
         channel: chain.map(|proof| proof.channel.clone()),
         range_v_per_div: chain.map(|proof| proof.volts_per_div),
         traceability_mass: named.mass_traceability,
@@ -132,13 +135,20 @@ pub fn sensor_file(report: &CalibrationReport) -> String {
     let chain = chain.map_or_else(String::new, |(channel, range)| {
         format!("in_chain = true\nchannel = \"{channel}\"\nrange = \"{range} V/div\"\n")
     });
+    // Behind a charge amplifier neither cable nor input counts.
+    let load = report.input_resistance_ohm.zip(report.input_capacitance_f);
+    let load = load.map_or_else(String::new, |(resistance, capacitance)| {
+        format!(
+            "input_resistance = \"{resistance} Ohm\"\ninput_capacitance = \"{capacitance} F\"\n"
+        )
+    });
     let quoted = |text: &str| text.replace(['"', '\\', '\n'], "'");
     let host = |host: &String| format!("calibrated_host = \"{}\"\n", quoted(host));
     let host = report.host.as_ref().map_or_else(String::new, host);
     format!(
         "# {}\nsource = \"{}, {date}; {}; plan SHA-256 {}\"\n\
          sensitivity = \"{} V/N\"\nsensitivity_u = {:e}\ntau = \"{} s\"\ntau_u = {:e}\n\
-         input_resistance = \"{} Ohm\"\ninput_capacitance = \"{} F\"\n{chain}{host}",
+         {load}{chain}{host}",
         report.item.replace('\n', " "),
         quoted(&report.title),
         report.software,
@@ -147,8 +157,6 @@ pub fn sensor_file(report: &CalibrationReport) -> String {
         report.u_v_per_n / report.sensitivity_v_per_n,
         report.tau_s,
         report.tau_u_s / report.tau_s,
-        report.input_resistance_ohm,
-        report.input_capacitance_f,
     )
 }
 

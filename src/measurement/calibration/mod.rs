@@ -61,7 +61,7 @@ pub fn run(plan: &CalibrationPlan, columns: &TableColumns) -> Result<Calibrated,
             Err(problem) => problems.push(problem),
         }
     }
-    if plan.gain_u.is_none() {
+    if plan.gain.is_none() {
         problems.extend(another_chain(plan, &evidence));
     }
     if !problems.is_empty() {

@@ -1,15 +1,15 @@
 //! A plan's numbers as the calibration takes them, and what in them cannot be.
 
-use crate::analysis::calibration::Calibration;
 use crate::analysis::calibration::model::{Common, SpeedSource};
+use crate::analysis::calibration::{Calibration, Exclusion, ImpactResult};
 use crate::quantity::Uncertain;
 use crate::scene::plan::{CalibrationPlan, SpeedMethod};
 /// What the impacts of `plan` share.
 pub fn common(plan: &CalibrationPlan) -> Common {
-    let number = |u: f64| Uncertain { value: 1.0, u };
+    let number = |u: f64| Uncertain::normal(1.0, u);
     Common {
         strikers: plan.strikers.clone(),
-        gain: number(plan.gain_u.unwrap_or(0.0)),
+        gain: plan.gain.unwrap_or(number(0.0)),
         speed_scale: number(plan.speed_scale_u),
         gate_distance: plan.gate_distance,
         gravity: plan.gravity,
@@ -26,18 +26,29 @@ pub(super) fn speed((means, value): (SpeedMethod, Uncertain)) -> SpeedSource {
     }
 }
 
-/// A scatter that many times what the inputs explain is no scatter (1).
-const LARGEST_BIRGE_RATIO: f64 = 5.0;
+/// A scatter that many times what the inputs explain is no chance: with six impacts normal errors exceed it in 2 of 10,000 calibrations (1).
+const LARGEST_BIRGE_RATIO: f64 = 2.2;
+/// Of so many impacts one may be left out as an outlier.
+const MOST_OUTLIERS: usize = 4;
 /// Local gravity at the surface, mountains included (m/s^2).
 const GRAVITY: std::ops::RangeInclusive<f64> = 9.76..=9.84;
 
 /// What in `plan` cannot be, or cannot be together.
 pub(super) fn contradictions(plan: &CalibrationPlan, found: &Calibration) -> Vec<String> {
     let mut wrong = Vec::new();
-    if found.birge_ratio > LARGEST_BIRGE_RATIO {
+    if found.birge_ratio >= LARGEST_BIRGE_RATIO {
         wrong.push(format!(
-            "impacts scatter {:.0} times as much as their uncertainties explain: check heights, speeds, masses and their units",
+            "impacts scatter {:.1} times as much as their uncertainties explain: check heights, speeds, masses and their units",
             found.birge_ratio
+        ));
+    }
+    let all = found.impacts.len();
+    let is_outlier =
+        |impact: &&ImpactResult| matches!(impact.exclusion, Some(Exclusion::Outlier { .. }));
+    let outliers = found.impacts.iter().filter(is_outlier).count();
+    if outliers * MOST_OUTLIERS > all {
+        wrong.push(format!(
+            "{outliers} of {all} impacts lie far from the others: check their heights, speeds, masses and units"
         ));
     }
     if !GRAVITY.contains(&plan.gravity.value) {

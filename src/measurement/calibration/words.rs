@@ -128,10 +128,14 @@ pub struct CalibrationReport {
     pub method: String,
     /// SHA-256 of the plan, in hexadecimal.
     pub plan_sha256: String,
-    /// Input resistance that the sensor was loaded with (Ohm).
-    pub input_resistance_ohm: f64,
-    /// Input capacitance that the sensor was loaded with (F).
-    pub input_capacitance_f: f64,
+    /// Input resistance that the sensor was loaded with; none behind a charge amplifier (Ohm).
+    pub input_resistance_ohm: Option<f64>,
+    /// Input capacitance that the sensor was loaded with; none behind a charge amplifier (F).
+    pub input_capacitance_f: Option<f64>,
+    /// Gain of the charge amplifier behind the sensor (V/C).
+    pub charge_amplifier_v_per_c: Option<f64>,
+    /// Charge per force, where a charge amplifier tells it (C/N).
+    pub charge_sensitivity_c_per_n: Option<f64>,
     /// Whether sensor and scope were calibrated as one: then the result holds for both together.
     pub in_chain: bool,
     /// Channel of that chain, where it is one.

@@ -18,7 +18,7 @@ use serde::Serialize;
 
 use crate::analysis::arrival::Estimator;
 use crate::analysis::comparison::{MIN_COMMON_SAMPLES, Pair, least_squares_shift};
-use crate::quantity::engineering;
+use crate::quantity::{Uncertain, engineering};
 use compared_shot::scene_of;
 use mapping::{Assignment, ChannelNames, MappingError};
 use score_limits::ScoreLimits;
@@ -81,6 +81,8 @@ pub struct Compared {
     pub comparison: Comparison,
     /// Both traces of each channel on the measured one's axis (V).
     pub pairs: Vec<Pair>,
+    /// Zero of each channel's traces and standard deviation of one sample, measured and simulated; none without a pulse (V).
+    pub quiet: Vec<Option<[Uncertain; 2]>>,
 }
 
 /// Why two recordings cannot be compared.
@@ -161,7 +163,8 @@ pub fn compare(
         failures,
         notes,
     };
-    Ok(Compared { comparison, pairs })
+    let quiet = channels.iter().map(ChannelPair::quiet).collect();
+    Ok(Compared { comparison, pairs, quiet })
 }
 
 /// The shift, by what it was found, and its uncertainty (s).

@@ -28,6 +28,10 @@ pub struct ChannelScore {
     pub peak_simulated_v: Option<Uncertain>,
     /// Measured over simulated first peak, less one.
     pub peak_error: Option<Uncertain>,
+    /// Arrival of the measured trace after its trigger, half-rise, seconds.
+    pub arrival_measured_s: Option<Uncertain>,
+    /// Arrival of the simulated trace after its own trigger, seconds.
+    pub arrival_simulated_s: Option<Uncertain>,
     /// Measured less simulated arrival, half-rise, after the shift, without the shift's uncertainty, seconds.
     pub arrival_error_s: Option<Uncertain>,
     /// Root mean square of measured less simulated (V).

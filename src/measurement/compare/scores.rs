@@ -129,6 +129,14 @@ impl ChannelPair {
         Pair::new(&force(measured, own), &force(simulated, other), shift)
     }
 
+    /// Zero and noise on both sides, the measured one first, where a pulse tells them (V).
+    pub fn quiet(&self) -> Option<[Uncertain; 2]> {
+        let (measured, simulated) = self.pulses.as_ref()?;
+        Some(
+            [measured, simulated].map(|pulse| Uncertain::normal(pulse.baseline.level, pulse.noise)),
+        )
+    }
+
     /// The scores, with both traces in `pair`.
     pub fn score(&self, pair: &Pair, wire: &ChannelMapping, shift_s: f64) -> ChannelScore {
         let distance = pair.distance();
@@ -138,11 +146,12 @@ impl ChannelPair {
             let sign = self.pulses.as_ref().is_some_and(|(m, s)| m.inverted != s.inverted);
             let value = if sign { -m.value / s.value } else { m.value / s.value };
             let u = (m.u / m.value).hypot(s.u / s.value);
-            Uncertain { value: value - 1.0, u: (value * u).abs() }
+            Uncertain::normal(value - 1.0, (value * u).abs())
         });
-        let arrival = self.arrivals(Estimator::HalfRise).map(|(m, s)| {
+        let arrivals = self.arrivals(Estimator::HalfRise);
+        let arrival = arrivals.map(|(m, s)| {
             let u = m.u.hypot(s.u);
-            Uncertain { value: m.value - s.value - shift_s, u }
+            Uncertain::normal(m.value - s.value - shift_s, u)
         });
         ChannelScore {
             name: self.name.clone(),
@@ -156,6 +165,8 @@ impl ChannelPair {
             peak_measured_v: heights.map(|(m, _)| m),
             peak_simulated_v: heights.map(|(_, s)| s),
             peak_error: ratio,
+            arrival_measured_s: arrivals.map(|(m, _)| m),
+            arrival_simulated_s: arrivals.map(|(_, s)| s),
             arrival_error_s: arrival,
             rms: distance.rms,
             rms_lsb: distance.rms / self.lsb,
@@ -210,7 +221,7 @@ fn between(
 ) -> Option<SpeedScore> {
     let (start, start_there) = from.arrivals(estimator)?;
     let (end, end_there) = to.arrivals(estimator)?;
-    let exact = |value: f64| Uncertain { value, u: 0.0 };
+    let exact = |value: f64| Uncertain::normal(value, 0.0);
     let measured = speed(exact(measured_m), start, end)?;
     let simulated = speed(exact(simulated_m), start_there, end_there)?;
     let ratio = measured.value / simulated.value;
@@ -222,9 +233,9 @@ fn between(
         distance_m: measured_m,
         measured_m_per_s: measured,
         simulated_m_per_s: simulated,
-        error: Uncertain {
-            value: ratio - 1.0,
-            u: (ratio * relative(measured).hypot(relative(simulated))).abs(),
-        },
+        error: Uncertain::normal(
+            ratio - 1.0,
+            (ratio * relative(measured).hypot(relative(simulated))).abs(),
+        ),
     })
 }

@@ -67,15 +67,33 @@ pub(super) fn traces(signals: &[&ForceSignal], columns: &[String]) -> String {
 
 /// Amplitudes over frequency; all have the same frequencies.
 fn spectra(spectra: &[&Spectrum], columns: &[String]) -> String {
-    let mut csv = format!("frequency_hz,{}\n", columns.join(","));
-    let Some(first) = spectra.first() else { return csv };
-    let bins = (0..first.amplitude.len()).take_while(|bin| first.frequency(*bin) <= MAX_FREQUENCY);
-    for bin in bins {
-        let _ = write!(csv, "{}", first.frequency(bin));
-        for spectrum in spectra {
-            let value = spectrum.amplitude.get(bin).copied().unwrap_or(f64::NAN);
-            let _ = write!(csv, ",{value:e}");
+    // Records of one length share their frequencies; others have a column of their own.
+    let shared = spectra.windows(2).all(|pair| pair[0].step.to_bits() == pair[1].step.to_bits());
+    let frequency = |column: &String| {
+        if shared {
+            column.clone()
+        } else {
+            format!("{}_hz,{column}", column.trim_end_matches("_n"))
         }
+    };
+    let heading: Vec<String> = columns.iter().map(frequency).collect();
+    let mut csv = format!("{}{}\n", if shared { "frequency_hz," } else { "" }, heading.join(","));
+    let shown = |spectrum: &&Spectrum| {
+        (0..spectrum.amplitude.len())
+            .take_while(|bin| spectrum.frequency(*bin) <= MAX_FREQUENCY)
+            .count()
+    };
+    for bin in 0..spectra.iter().map(shown).max().unwrap_or(0) {
+        let cell = |(place, spectrum): (usize, &&Spectrum)| {
+            let value = spectrum.amplitude.get(bin).copied().unwrap_or(f64::NAN);
+            if shared && place > 0 {
+                format!("{value:e}")
+            } else {
+                format!("{},{value:e}", spectrum.frequency(bin))
+            }
+        };
+        let cells: Vec<String> = spectra.iter().enumerate().map(cell).collect();
+        csv.push_str(&cells.join(","));
         csv.push('\n');
     }
     csv

@@ -51,10 +51,10 @@ pub fn work_precision(study: &CostStudy, work: WorkMeasure, colour: bool) -> Str
     lines.join("\n")
 }
 
-/// An order as it was observed, with its standard error.
+/// An order as it was observed, with its expanded uncertainty.
 fn observed(order: &Order) -> Option<String> {
-    let (observed, u) = order.observed.zip(order.observed_u)?;
-    Some(format!("{observed:.1} ± {u:.1}"))
+    let (observed, expanded) = order.observed.zip(order.expanded)?;
+    Some(format!("{observed:.1} ± {expanded:.1}"))
 }
 
 fn reference(study: &CostStudy) -> String {

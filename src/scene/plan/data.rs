@@ -76,10 +76,12 @@ pub struct CalibrationPlan {
     pub text: String,
     /// For the certificate.
     pub particulars: Particulars,
-    /// Relative standard uncertainty of the scope's gain; none where sensor and scope are calibrated as one chain (1).
-    pub gain_u: Option<f64>,
-    /// The sensor's load.
+    /// The scope's gain, true over shown; none where sensor and scope are calibrated as one chain.
+    pub gain: Option<Uncertain>,
+    /// The scope's input, the sensor's load unless there is a charge amplifier.
     pub load: Load,
+    /// Gain of a charge amplifier between sensor and scope (V/C).
+    pub charge_amplifier: Option<f64>,
     /// Relative standard uncertainty that all speeds share (1).
     pub speed_scale_u: f64,
     /// Distance of the gates (m).

@@ -153,5 +153,5 @@ pub fn uncertain(
             None
         }
     };
-    Some(Uncertain { value: value?, u: u? })
+    Some(Uncertain::normal(value?, u?))
 }

@@ -72,13 +72,13 @@ fn read(file: &Path, node: &Node, problems: &Problems) -> Option<CalibrationPlan
         uncertain(&root, ("gravity", "gravity_u"), Dimension::ACCELERATION)
     } else {
         // Somewhere between both, evenly: JCGM 100:2008, 4.3.7.
-        Some(Uncertain { value: FREE_FALL, u: FREE_FALL * LATITUDES / 3f64.sqrt() })
+        Some(Uncertain::normal(FREE_FALL, FREE_FALL * LATITUDES / 3f64.sqrt()))
     };
     let seed = root.count("seed", 0, (1 << 53) - 1).unwrap_or(0);
     let draws = root.count("draws", 1000, 10_000_000).unwrap_or(DRAWS);
     let mut particulars = particulars(&root, file);
     let channel = root.text("channel").unwrap_or("CH1").to_owned();
-    let (gain_u, load) = scope(&root);
+    let ScopeInput { gain, load, charge_amplifier } = scope(&root);
     let (scale, gates) = root.table("speeds").map_or((Some(0.0), None), |table| {
         let scale = table.quantity("scale_u", Dimension::NONE, Bound::NotNegative);
         let gates = table
@@ -106,7 +106,7 @@ fn read(file: &Path, node: &Node, problems: &Problems) -> Option<CalibrationPlan
         let _ = table.text("source");
         table.finish();
         // A mass that could not be read has left its problem; impacts may name its striker.
-        strikers.push((name.to_owned(), mass.unwrap_or(Uncertain { value: 1.0, u: 0.0 })));
+        strikers.push((name.to_owned(), mass.unwrap_or(Uncertain::normal(1.0, 0.0))));
     }
     let context =
         ImpactContext { file, channel: &channel, strikers: &strikers, gates: gates.is_some() };
@@ -124,7 +124,8 @@ fn read(file: &Path, node: &Node, problems: &Problems) -> Option<CalibrationPlan
         file: file.to_owned(),
         text: node.place.text().to_string(),
         particulars,
-        gain_u,
+        gain,
+        charge_amplifier,
         load,
         speed_scale_u: scale?,
         gate_distance: gates,
@@ -159,29 +160,47 @@ fn particulars(root: &TableReader<'_>, file: &Path) -> Particulars {
     found
 }
 
-/// The gain's uncertainty, none for a chain calibrated as one, and the input.
-fn scope(root: &TableReader<'_>) -> (Option<f64>, Load) {
-    let expected =
-        "gain_u = \"3 %\", or in_chain = true where sensor and scope are calibrated as one";
+/// The scope as a plan tells it.
+struct ScopeInput {
+    gain: Option<Uncertain>,
+    load: Load,
+    charge_amplifier: Option<f64>,
+}
+
+/// The gain with its uncertainty, none for a chain calibrated as one, and the input.
+fn scope(root: &TableReader<'_>) -> ScopeInput {
+    let expected = "gain_u = \"1 %\" of a calibrated scope, gain_limit = \"3 %\" of its data sheet, or in_chain = true where sensor and scope are calibrated as one";
     let Some(table) = root.table("scope") else {
         if !root.has("scope") {
             root.problem("scope", MISSING, format!("[scope] with {expected}"));
         }
-        return (None, INPUT);
+        return ScopeInput { gain: None, load: INPUT, charge_amplifier: None };
     };
     let in_chain = table.flag("in_chain").unwrap_or(false);
     let gain_u = table.quantity("gain_u", Dimension::NONE, Bound::NotNegative);
-    if in_chain == table.has("gain_u") {
-        let found = if in_chain { "both gain_u and in_chain = true" } else { "no such key" };
+    let limit = table.quantity("gain_limit", Dimension::NONE, Bound::NotNegative);
+    let stated = [in_chain, table.has("gain_u"), table.has("gain_limit")];
+    if stated.iter().filter(|is_stated| **is_stated).count() != 1 {
+        let several = stated.contains(&true);
+        let found = if several { "more than one statement about the gain" } else { "no such key" };
         table.problem("gain_u", found, expected);
     }
+    let limited =
+        |half_width: f64| Uncertain { value: 1.0, u: half_width / 3f64.sqrt(), half_width };
+    let gain = gain_u.map(|u| Uncertain::normal(1.0, u)).or_else(|| limit.map(limited));
     let resistance = table.quantity("input_resistance", Dimension::RESISTANCE, Bound::Positive);
     let capacitance =
         table.quantity("input_capacitance", Dimension::CAPACITANCE, Bound::NotNegative);
+    let charge_amplifier =
+        table.quantity("charge_amplifier", Dimension::VOLTAGE_PER_CHARGE, Bound::Positive);
+    if table.has("charge_amplifier") && (resistance.is_some() || capacitance.is_some()) {
+        let found = "both a charge amplifier and the scope's input";
+        table.problem("charge_amplifier", found, "one of them as the sensor's load");
+    }
     table.finish();
     let load = Load {
         resistance: resistance.unwrap_or(INPUT.resistance),
         capacitance: capacitance.unwrap_or(INPUT.capacitance),
     };
-    (gain_u.filter(|_| !in_chain), load)
+    ScopeInput { gain: gain.filter(|_| !in_chain), load, charge_amplifier }
 }

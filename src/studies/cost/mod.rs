@@ -13,6 +13,7 @@ use serde::Serialize;
 
 use crate::experiment::comparison::level;
 use crate::numeric::statistics::StraightLine;
+use crate::quantity::coverage::student_95;
 use crate::scene::Scene;
 use points::{choice, name, point, reference, settings};
 
@@ -122,8 +123,10 @@ fn orders(points: &[Point], reference: f64) -> Vec<Order> {
         let Some(first) = rows.first() else { continue };
         let usable: Vec<(f64, f64)> = usable.collect();
         let (observed, observed_u) = slope(&usable).map(|(slope, u)| (-slope, u)).unzip();
+        let freedom = usable.len() as f64 - 2.0;
+        let expanded = observed_u.map(|u| student_95(freedom) * u);
         let Point { method, source, order: nominal, .. } = *first;
-        orders.push(Order { method, source, nominal, observed, observed_u });
+        orders.push(Order { method, source, nominal, observed, observed_u, expanded });
     }
     orders
 }

@@ -73,6 +73,9 @@ pub struct Order {
     pub observed: Option<f64>,
     /// Its standard error, by how far points stand from the straight line: errors that change their sign, and few points, leave little (1).
     pub observed_u: Option<f64>,
+    /// Its expanded uncertainty for 95 %, by Student's t (1).
+    #[serde(rename = "observed_U95")]
+    pub expanded: Option<f64>,
 }
 
 /// Method, cost and error of an accuracy.

@@ -220,17 +220,17 @@ impl Designer {
         let mut readings = Pcg64::new(u128::from(self.seed), READING_STREAM + u128::from(repeat));
         let mut read = |truth: f64, u: f64| {
             let deviate: f64 = StandardNormal.sample(&mut readings);
-            Uncertain { value: truth + u * deviate, u }
+            Uncertain::normal(truth + u * deviate, u)
         };
         let gain_u = self.lab.gain_u.unwrap_or(0.0);
         // The scope's gain is off by what its own specification leaves open.
         let gain = read(1.0, gain_u).value;
         let common = Common {
             strikers: vec![(striker.name.clone(), read(striker.mass, self.lab.mass_u))],
-            gain: Uncertain { value: 1.0, u: gain_u },
-            speed_scale: Uncertain { value: 1.0, u: 0.0 },
+            gain: Uncertain::normal(1.0, gain_u),
+            speed_scale: Uncertain::normal(1.0, 0.0),
             gate_distance: None,
-            gravity: Uncertain { value: GRAVITY, u: GRAVITY_U },
+            gravity: Uncertain::normal(GRAVITY, GRAVITY_U),
             tau: None,
         };
         let shown = Circuit { sensitivity: circuit.sensitivity / gain, ..circuit };

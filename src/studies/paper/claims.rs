@@ -45,6 +45,8 @@ pub struct Claim {
     pub scale: f64,
     /// Why a statement without a number is put into this one, or why fewer digits count than are printed.
     pub because: String,
+    /// Whether it is the paper's own measurement, which no calculation has to reproduce.
+    pub measured: bool,
 }
 
 /// A contradiction in the paper.
@@ -92,6 +94,7 @@ fn claim(row: TableReader<'_>) -> Option<Claim> {
     let at_least = row.quantity("at_least", Dimension::NONE, Bound::Positive);
     let at_most = row.quantity("at_most", Dimension::NONE, Bound::Positive);
     let about = row.flag("about").unwrap_or(false);
+    let measured = row.flag("measured").unwrap_or(false);
     let counts_to = row.text("counts_to").map(Typed::of);
     let printed = row.text("printed").map(Typed::of);
     let unit = printed.as_ref().map_or("", |typed| typed.unit).to_owned();
@@ -113,7 +116,7 @@ fn claim(row: TableReader<'_>) -> Option<Claim> {
         return None;
     };
     row.finish();
-    Some(Claim { item, place, figure, says, expected, unit, scale, because })
+    Some(Claim { item, place, figure, says, expected, unit, scale, because, measured })
 }
 
 /// A number with a unit, as typed.

@@ -5,7 +5,9 @@ use crate::chain::ChainError;
 use crate::experiment::RunError;
 use crate::integrate::IntegrateError;
 use crate::scene::SceneError;
+use crate::scene::adjust::AdjustError;
 use crate::scene::problem::Problem;
+use crate::studies::uncertainty::UncertaintyError;
 
 /// Why the paper could not be computed: all of them this program's own mistakes.
 #[derive(Debug, thiserror::Error)]
@@ -16,6 +18,12 @@ pub enum PaperError {
     /// A shipped scene.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// A shipped scene with other numbers.
+    #[error(transparent)]
+    Adjust(#[from] AdjustError),
+    /// A shipped scene's uncertainty.
+    #[error(transparent)]
+    Uncertainty(#[from] UncertaintyError),
     /// A chain with another dashpot.
     #[error(transparent)]
     Chain(#[from] ChainError),

@@ -2,7 +2,7 @@
 
 use super::{FigureRun, ForceLocation, ForceSignal, PaperError};
 use crate::analysis::gate::Gate;
-use crate::analysis::spectrum::{Analyser, Spectrum, SpectrumSettings};
+use crate::analysis::spectrum::{Analyser, Spectrum, SpectrumSettings, Window};
 use crate::chain::ForceProbe;
 use crate::experiment::bench::{Bench, Grid};
 use crate::experiment::pulse::{HALF_RISE_SHARE, Peak, PulseRecorder};
@@ -71,6 +71,39 @@ impl ForceRecord {
         let level = HALF_RISE_SHARE * self.first_peak(place)?.dynamic_n;
         let reached = self.at(place)?.1.first_reach(level);
         reached.ok_or_else(|| nothing(&self.scene, &format!("half-rise at {}", place.key())))
+    }
+
+    /// When the wall's echo reaches `place`: as long after the wall as the pulse came before it, both where they begin; the scene's end at the wall, or without one (s).
+    pub(super) fn echo(&self, place: ForceLocation) -> f64 {
+        let begin = |place: ForceLocation| {
+            let (_, pulse) = self.at(place).ok()?;
+            pulse.first_reach(WIDTH_SHARE * pulse.first_peak()?.dynamic_n)
+        };
+        let echo =
+            begin(ForceLocation::Wall).zip(begin(place)).map(|(wall, here)| 2.0 * wall - here);
+        let end = self.scene.duration;
+        echo.filter(|_| place != ForceLocation::Wall).map_or(end, |echo| echo.min(end))
+    }
+
+    /// The same with Hann's window, for a part of a signal that goes on.
+    pub(super) fn windowed(
+        &self,
+        place: ForceLocation,
+        from: f64,
+        to: f64,
+    ) -> Result<Spectrum, PaperError> {
+        let (gate, window) = (Gate { from, to }, Window::Hann);
+        let settings = SpectrumSettings { window, gate, ..SpectrumSettings::default() };
+        Ok(Analyser::new().spectrum(self.trace(place)?, &settings)?)
+    }
+
+    /// The force over time, and over frequency up to the wall's echo, which the paper leaves out.
+    pub(super) fn signal_before_echo(
+        &self,
+        place: ForceLocation,
+    ) -> Result<ForceSignal, PaperError> {
+        let spectrum = self.spectrum(place, 0.0, self.echo(place))?;
+        Ok(ForceSignal { place, trace: self.trace(place)?.clone(), spectrum })
     }
 
     /// The spectrum in the paper's convention between two times (s).
@@ -143,15 +176,17 @@ fn maxima(trace: &Trace, sign: f64) -> Vec<(f64, f64)> {
     found
 }
 
+/// Sum of the squared amplitudes between two frequencies (unit).
+pub(super) fn power_between(spectrum: &Spectrum, low: f64, high: f64) -> f64 {
+    let bins = spectrum.amplitude.iter().enumerate();
+    bins.filter(|(bin, _)| (low..high).contains(&spectrum.frequency(*bin)))
+        .map(|(_, c)| c * c)
+        .sum()
+}
+
 /// Share of the squared amplitudes up to [`MAX_FREQUENCY`] that lies between two frequencies (1).
 pub(super) fn share_between(spectrum: &Spectrum, low: f64, high: f64) -> f64 {
-    let sum = |low: f64, high: f64| -> f64 {
-        let bins = spectrum.amplitude.iter().enumerate();
-        bins.filter(|(bin, _)| (low..high).contains(&spectrum.frequency(*bin)))
-            .map(|(_, c)| c * c)
-            .sum()
-    };
-    sum(low, high) / sum(0.0, MAX_FREQUENCY)
+    power_between(spectrum, low, high) / power_between(spectrum, 0.0, MAX_FREQUENCY)
 }
 
 /// Mean frequency up to [`MAX_FREQUENCY`], weighted with the squared amplitudes (Hz).

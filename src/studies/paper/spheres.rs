@@ -2,7 +2,7 @@
 
 use super::ForceLocation;
 use super::dispersion::cell;
-use super::record::{ForceRecord, WIDTH_SHARE, nothing, share_between};
+use super::record::{ForceRecord, WIDTH_SHARE, nothing, power_between, share_between};
 use super::verdict::ClaimResult;
 use super::{Arrangement, Figure, IntermediateResults, PaperError, record_run};
 use crate::analysis::dispersion::DiatomicChain;
@@ -20,6 +20,12 @@ const PULSE_SEPARATION: ForceLocation = ForceLocation::Inside(101);
 const PARTS: [(f64, f64); 2] = [(0.0, 7e-3), (7e-3, 12e-3)];
 /// The component of Fig. 7 (Hz).
 const FIGURE_7_FREQUENCY: f64 = 3e3;
+/// A line lower than this share of the main one is none that a reader sees (1).
+const VISIBLE_SHARE: f64 = 0.1;
+/// Contacts near the struck end, the least compressed of which tells whether all stay closed.
+const CONTACTS: [ForceLocation; 3] = [TOP, ForceLocation::Below(2), ForceLocation::Below(3)];
+/// Length and distance of the windows in which the slow packet is looked for (s).
+const PACKET_WINDOWS: (f64, f64) = (1e-3, 0.05e-3);
 /// First and last part of the record in which the source is looked for (s).
 const SOURCE_WINDOWS: [(f64, f64); 2] = [(0.0, 5e-3), (10e-3, 15e-3)];
 
@@ -60,7 +66,8 @@ pub(super) fn figures(
 
 impl Sphere {
     fn run(scene: &Scene) -> Result<Self, PaperError> {
-        let places = [&NEAR[..], &FAR, &[SIXTH_CELL[1], ForceLocation::Inside(21)]].concat();
+        let others = [SIXTH_CELL[1], ForceLocation::Inside(21)];
+        let places = [&NEAR[..], &FAR, &others, &CONTACTS[1..]].concat();
         let record = ForceRecord::of(scene, &places)?;
         let (chain, force) = cell(scene, 5)?;
         let part = |(from, to): (f64, f64)| record.spectrum(PULSE_SEPARATION, from, to);
@@ -104,9 +111,49 @@ impl Sphere {
     /// Amplitude of the top contact's force and what the paper may have called so.
     fn amplitude(&self, item: &str, value: &dyn Fn(f64) -> f64) -> Result<ClaimResult, PaperError> {
         let contact = self.record.first_peak(TOP)?.dynamic_n;
+        let top = self.record.trace(TOP)?;
+        let (low, high) =
+            top.values.iter().fold((0.0, 0.0), |(l, h): (f64, f64), v| (l.min(*v), h.max(*v)));
         Ok(ClaimResult::to(item)
             .plain("in the contact", value(contact))
-            .or("inside the top sphere, half of the contact", value(0.5 * contact)))
+            .or("inside the top sphere, half of the contact", value(0.5 * contact))
+            .or("half of peak to peak inside the top sphere", value(0.25 * (high - low))))
+    }
+
+    /// Least overlap of the contacts near the struck end over the static one, by Hertz's law (1).
+    fn least_overlap(&self) -> Result<f64, PaperError> {
+        let mut least = f64::INFINITY;
+        for place in CONTACTS {
+            let lowest = self.record.trace(place)?.values.iter().copied().fold(0.0, f64::min);
+            least = least.min(1.0 + lowest / self.force);
+        }
+        Ok(least.max(0.0).powf(2.0 / 3.0))
+    }
+
+    /// Speed of the packet from the optical branch over that of the leading pulse, from particle 51 to 101: when the branch has most power in a window.
+    fn packet(&self, item: &str) -> Result<ClaimResult, PaperError> {
+        let [from, to] = [FAR[0], FAR[1]];
+        let (length, step) = PACKET_WINDOWS;
+        let (f2, f3) = (self.chain.gap_top(), self.chain.cutoff());
+        let strongest = |place: ForceLocation| -> Result<f64, PaperError> {
+            let (mut best, mut at) = (0.0, 0.0);
+            let mut start = 0.0;
+            while start + length < self.record.scene.duration {
+                let part = self.record.windowed(place, start, start + length)?;
+                let power = power_between(&part, f2, f3);
+                if power > best {
+                    (best, at) = (power, start);
+                }
+                start += step;
+            }
+            Ok(at)
+        };
+        let packet = strongest(to)? - strongest(from)?;
+        let leading = self.record.half_rise(to)? - self.record.half_rise(from)?;
+        Ok(ClaimResult::to(item).plain(
+            "most power of the optical branch in 1 ms, particles 51 to 101, over the half-rises'",
+            leading / packet,
+        ))
     }
 
     /// First pulse of the sixth cell and what the paper may have called so.
@@ -168,6 +215,7 @@ fn linear(sphere: &Sphere) -> Result<Vec<ClaimResult>, PaperError> {
     });
     let left = 2.0 * line_at(ForceLocation::Inside(11))? / line_at(TOP)?;
     let fifth = record.signal(ForceLocation::Inside(5))?.spectrum;
+    let (upper, (_, main)) = (sphere.highest(&fifth, f2, f3)?, sphere.highest(&fifth, 1.0, f3)?);
     let mode = format!(
         "it is the mode of a light end at {:.2} kHz, which falls by m/M = {:.3} a cell, never enters the chain and stays at its end; at particle 11 the line has {:.2} % of its height inside the top sphere",
         1e-3 * chain.surface_mode(),
@@ -185,16 +233,20 @@ fn linear(sphere: &Sphere) -> Result<Vec<ClaimResult>, PaperError> {
             .note(mode),
         sphere.first_pulse("linear_first_pulse", &|force| force)?,
         sphere.first_pulse("linear_first_pulse_ratio", &|force| sphere.ratio(force))?,
+        sphere.width("linear_width_5", 5)?,
         sphere.width("linear_width_cell_6", 11)?,
         sphere.width("linear_width_11", 11)?,
         sphere.width("linear_width_21", 21)?,
         ClaimResult::to("linear_upper_line")
-            .plain("highest line above the gap", sphere.highest(&fifth, f2, f3)?.0)
+            .plain("highest line above the gap", upper.0)
+            .only_if(upper.1 >= VISIBLE_SHARE * main)
             .note(format!(
-                "the optical branch goes from {:.2} to {:.2} kHz, and the line stands in its middle",
+                "it has {:.1} % of the main line's height, too little for a main frequency; the optical branch goes from {:.2} to {:.2} kHz, and the line stands in its middle",
+                100.0 * upper.1 / main,
                 1e-3 * f2,
                 1e-3 * f3
             )),
+        sphere.packet("linear_slow_packet")?,
         ClaimResult::to("linear_leading_below_gap")
             .plain("squared amplitudes up to 20 kHz", share_between(&parts[0], 0.0, f1)),
         ClaimResult::to("linear_trailing_bottom").plain(HIGHEST_LINE, sphere.trailing_bottom()?),
@@ -208,6 +260,8 @@ fn nonlinear(sphere: &Sphere) -> Result<Vec<ClaimResult>, PaperError> {
     let trailing = &sphere.parts[1];
     let (_, main) = sphere.highest(trailing, 1.0, sphere.chain.cutoff())?;
     let (leading, _) = sphere.highest(&sphere.parts[0], 1.0, 5e3)?;
+    let (upper, height) =
+        sphere.highest(trailing, sphere.chain.gap_top(), sphere.chain.cutoff())?;
     let half = 0.5 * trailing.step;
     let (_, extra) =
         sphere.highest(trailing, FIGURE_7_FREQUENCY - half, FIGURE_7_FREQUENCY + half)?;
@@ -224,5 +278,11 @@ fn nonlinear(sphere: &Sphere) -> Result<Vec<ClaimResult>, PaperError> {
                 1e-3 * leading
             )),
         ClaimResult::to("nonlinear_trailing_bottom").plain(HIGHEST_LINE, sphere.trailing_bottom()?),
+        ClaimResult::to("nonlinear_trailing_top")
+            .plain("highest line above the gap", upper)
+            .note(format!("it is {:.1} mN high", 1e3 * height)),
+        ClaimResult::to("nonlinear_contact")
+            .plain("least compressed of the first three contacts", sphere.least_overlap()?),
+        sphere.packet("nonlinear_slow_packet")?,
     ])
 }

@@ -68,6 +68,8 @@ pub struct ClaimFinding {
     pub paper: PrintedValue,
     /// The computed value (unit).
     pub here: f64,
+    /// Computed over printed, less one; none for words (1).
+    pub difference: Option<f64>,
     /// Unit of both.
     pub unit: String,
     /// By which convention.
@@ -76,6 +78,8 @@ pub struct ClaimFinding {
     pub verdict: ClaimVerdict,
     /// Why.
     pub reason: String,
+    /// Whether it is the paper's own measurement, listed apart from its calculations.
+    pub measured: bool,
     /// The figure it belongs to.
     #[serde(skip)]
     pub figure: Option<u8>,
@@ -101,12 +105,17 @@ pub(super) struct ClaimResult {
     pub candidates: Vec<Interpretation>,
     /// Remarks.
     pub note: String,
+    /// How far apart the record tells two lines, where a line is read: `1/T` (Hz).
+    pub resolution: f64,
+    /// Whether there is what the statement speaks of.
+    pub is_there: bool,
 }
 
 impl ClaimResult {
     /// An answer without candidates yet.
     pub(super) fn to(item: &str) -> Self {
-        Self { item: item.to_owned(), candidates: Vec::new(), note: String::new() }
+        let (candidates, note) = (Vec::new(), String::new());
+        Self { item: item.to_owned(), candidates, note, resolution: 0.0, is_there: true }
     }
 
     /// The value that the statement's text describes.
@@ -124,6 +133,16 @@ impl ClaimResult {
         self
     }
 
+    /// The value is a line in the spectrum of a record of `duration` (s), which tells lines apart by `1/T`.
+    pub(super) fn line_of(self, duration: f64) -> Self {
+        Self { resolution: 1.0 / duration, ..self }
+    }
+
+    /// The statement speaks of something that may not be there.
+    pub(super) fn only_if(self, is_there: bool) -> Self {
+        Self { is_there, ..self }
+    }
+
     /// Something else to be said.
     pub(super) fn note(self, note: impl Into<String>) -> Self {
         Self { note: note.into(), ..self }
@@ -135,12 +154,13 @@ pub(super) fn judge(claim: &Claim, answer: &ClaimResult) -> ClaimFinding {
     let here = |candidate: &Interpretation| candidate.value / claim.scale;
     let agrees = |candidate: &&Interpretation| match claim.expected {
         Expected::Printed { value, allowed } => {
+            let allowed = allowed.max(answer.resolution / claim.scale);
             (here(candidate) - value).abs() <= allowed + ROUNDING * value.abs()
         }
         Expected::AtLeast(bound) => here(candidate) >= bound,
         Expected::AtMost(bound) => here(candidate) <= bound,
     };
-    let found = answer.candidates.iter().find(agrees);
+    let found = answer.candidates.iter().find(agrees).filter(|_| answer.is_there);
     let verdict = match found {
         Some(candidate) if candidate.plain => ClaimVerdict::Agrees,
         Some(_) => ClaimVerdict::AgreesUnder,
@@ -157,6 +177,13 @@ pub(super) fn judge(claim: &Claim, answer: &ClaimResult) -> ClaimFinding {
             Expected::AtMost(bound) => PrintedValue::Words(format!("at most {bound}")),
         },
         here: chosen.map_or(f64::NAN, here),
+        difference: match claim.expected {
+            Expected::Printed { value, .. } if value != 0.0 => {
+                chosen.map(|c| here(c) / value - 1.0)
+            }
+            _ => None,
+        },
+        measured: claim.measured,
         unit: claim.unit.clone(),
         convention: chosen.map_or_else(String::new, |c| c.convention.clone()),
         verdict,
@@ -174,6 +201,10 @@ fn reason(claim: &Claim, answer: &ClaimResult, chosen: Option<&Interpretation>) 
         _ => String::new(),
     };
     let mut text = match claim.expected {
+        Expected::Printed { allowed, .. } if answer.resolution > allowed * claim.scale => {
+            let apart = summary_text(answer.resolution / claim.scale);
+            format!("the record tells lines apart by {apart}")
+        }
         Expected::Printed { allowed, .. } => {
             format!("digits as printed allow {} either way", summary_text(allowed))
         }
@@ -217,6 +248,7 @@ mod tests {
             unit: unit.to_owned(),
             scale,
             because: String::new(),
+            measured: false,
         }
     }
 
@@ -246,6 +278,16 @@ mod tests {
         let answer = ClaimResult::to("item").plain("peak", 164.5).or("10 %", 175.4);
         let found = judge(&printed(), &answer);
         assert_eq!((found.verdict, found.here), (ClaimVerdict::DoesNotHold, 164.5));
+    }
+
+    #[test]
+    fn a_line_may_be_off_by_what_its_record_tells_apart_and_must_be_there() {
+        let kilohertz = claim(Expected::Printed { value: 7.7, allowed: 0.05 }, "kHz", 1e3);
+        let line = |hertz| ClaimResult::to("item").plain("line", hertz).line_of(2e-3);
+        assert_eq!(judge(&kilohertz, &line(7210.0)).verdict, ClaimVerdict::Agrees);
+        assert_eq!(judge(&kilohertz, &line(7190.0)).verdict, ClaimVerdict::DoesNotHold);
+        let faint = judge(&kilohertz, &line(7700.0).only_if(false));
+        assert_eq!((faint.verdict, faint.difference), (ClaimVerdict::DoesNotHold, Some(0.0)));
     }
 
     #[test]

@@ -1,15 +1,19 @@
 //! A comparison by what both sides know: the normalised error of each quantity, and which inputs would have to move.
 //!
-//! `E_n = |m - s|/sqrt(U_m^2 + U_s^2)`, expanded uncertainties for 95 %: up to 1 both agree. The inputs' moves are the least, in their own standard
+//! `E_n = |m - s|/sqrt(U_m^2 + U_s^2)`, expanded uncertainties for 95 %: up to 1 both agree. Peaks, delays between sensors (half-rise), and speeds have one
+//! each; a trace's is the root mean square over its samples, zeros taken out, with the noise of both scopes, the gain and the prediction's band. The inputs'
+//! moves are the least, in their own standard
 //! uncertainties, that take the prediction to the measurement: `d_i = (m - s) b_i / sum of b_j^2`, `b` the changes with one uncertainty each.
 //! Sources: ISO 13528:2022, 9.6; ASME V&V 20-2009.
 
 use serde::Serialize;
 
 use super::UncertainPrediction;
-use super::outputs::OutputInterval;
-use crate::measurement::compare::{ChannelScore, Comparison};
+use super::outputs::{OutputInterval, TraceBand};
+use crate::analysis::comparison::Pair;
+use crate::measurement::compare::{ChannelScore, Compared, SpeedScore};
 use crate::quantity::Uncertain;
+use crate::quantity::coverage::expanded_95;
 
 /// Moves smaller than this share of the largest are not listed (1).
 const LISTED_SHARE: f64 = 0.1;
@@ -26,14 +30,14 @@ pub struct InputMove {
 /// The normalised error of one quantity.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NormalisedError {
-    /// What is compared: `CH2 first peak`, `CH2 -> CH3 half-rise`.
+    /// What is compared: `CH2 first peak`, `CH2 -> CH3 delay`, `CH2 -> CH3 half-rise`, `CH2 trace`.
     pub quantity: String,
     /// Its unit.
     pub unit: &'static str,
-    /// The measured value.
-    pub measured: Uncertain,
-    /// The simulated value, with the scene's uncertainty and the simulated scope's noise.
-    pub simulated: Uncertain,
+    /// The measured value; none for a trace.
+    pub measured: Option<Uncertain>,
+    /// The simulated value, with the scene's uncertainty and the simulated scope's noise; none for a trace.
+    pub simulated: Option<Uncertain>,
     /// `|m - s|/sqrt(U_m^2 + U_s^2)` (1).
     #[serde(rename = "E_n")]
     pub e_n: f64,
@@ -48,11 +52,12 @@ impl NormalisedError {
     }
 }
 
-/// Normalised errors of first peaks and speeds of `comparison`, whose simulated side `predicted` tells with its uncertainty.
+/// Normalised errors of first peaks, delays, speeds and traces of `compared`, whose simulated side `predicted` tells with its uncertainty.
 pub fn normalised_errors(
-    comparison: &Comparison,
+    compared: &Compared,
     predicted: &UncertainPrediction,
 ) -> Vec<NormalisedError> {
+    let comparison = &compared.comparison;
     let output = |name: String| predicted.outputs.iter().find(|output| output.name == name);
     let mut errors = Vec::new();
     for score in &comparison.channels {
@@ -61,23 +66,74 @@ pub fn normalised_errors(
             (pair, output(format!("{} first peak", score.against)))
         {
             let u = measured.u.hypot(score.gain_u * measured.value);
-            let measured = Uncertain { u, ..measured };
+            let half_width = 3f64.sqrt() * score.gain_u * measured.value.abs();
+            let measured = Uncertain { u, half_width, ..measured };
             errors.push(error(format!("{} first peak", score.name), measured, simulated, output));
         }
     }
-    let sensor = |name: &str| {
-        let is = |score: &&ChannelScore| score.name == name;
-        comparison.channels.iter().find(is)?.sensor.clone()
+    let score = |name: &str| comparison.channels.iter().find(|score| score.name == name);
+    let between = |speed: &SpeedScore, what: &str| {
+        let (from, to) = (score(&speed.from)?.sensor.as_ref()?, score(&speed.to)?.sensor.as_ref()?);
+        let name = format!("{} -> {} {what}", speed.from, speed.to);
+        Some((name, output(format!("{from} -> {to} {what}"))?))
     };
+    for speed in comparison.speeds.iter().filter(|speed| speed.estimator == "half_rise") {
+        let delay = |arrival: fn(&ChannelScore) -> Option<Uncertain>| {
+            let (from, to) = (arrival(score(&speed.from)?)?, arrival(score(&speed.to)?)?);
+            Some(Uncertain::normal(to.value - from.value, from.u.hypot(to.u)))
+        };
+        let sides = delay(|score| score.arrival_measured_s)
+            .zip(delay(|score| score.arrival_simulated_s))
+            .zip(between(speed, "delay"));
+        errors.extend(sides.map(|((m, s), (name, output))| error(name, m, s, output)));
+    }
     for speed in &comparison.speeds {
-        let Some((from, to)) = sensor(&speed.from).zip(sensor(&speed.to)) else { continue };
-        let estimator = speed.estimator.replace('_', "-");
-        if let Some(output) = output(format!("{from} -> {to} {estimator}")) {
-            let name = format!("{} -> {} {estimator}", speed.from, speed.to);
+        if let Some((name, output)) = between(speed, &speed.estimator.replace('_', "-")) {
             errors.push(error(name, speed.measured_m_per_s, speed.simulated_m_per_s, output));
         }
     }
+    let traces = comparison.channels.iter().zip(&compared.pairs).zip(&compared.quiet);
+    errors.extend(traces.filter_map(|((score, pair), quiet)| {
+        let band = predicted.bands.iter().find(|band| band.channel == score.against)?;
+        trace_error(score, pair, (*quiet)?, band)
+    }));
     errors
+}
+
+/// Root mean square over the samples of their normalised errors; none for a band that tells nothing of them.
+fn trace_error(
+    score: &ChannelScore,
+    pair: &Pair,
+    [measured, simulated]: [Uncertain; 2],
+    band: &TraceBand,
+) -> Option<NormalisedError> {
+    let half_width = |time: f64| {
+        let place = (time - score.shift_s - band.start_s) / band.interval_s;
+        let index = place.round().max(0.0) as usize;
+        Some(0.5 * (band.high_v.get(index)? - band.low_v.get(index)?))
+    };
+    let noise = measured.expanded().hypot(simulated.expanded());
+    let (mut squares, mut count) = (0.0, 0.0);
+    for (index, (m, s)) in pair.measured.values.iter().zip(&pair.simulated.values).enumerate() {
+        let Some(model) = half_width(pair.measured.time(index)) else { continue };
+        let volts = m - measured.value;
+        let gain =
+            expanded_95(score.gain_u * volts.abs(), 3f64.sqrt() * score.gain_u * volts.abs());
+        let expanded = noise.hypot(gain).hypot(model);
+        squares += ((volts - (s - simulated.value)) / expanded).powi(2);
+        count += 1.0;
+    }
+    let e_n = (squares / count).sqrt();
+    let quantity = format!("{} trace", score.name);
+    let (measured, simulated, moves) = (None, None, Vec::new());
+    e_n.is_finite().then_some(NormalisedError {
+        quantity,
+        unit: "V",
+        measured,
+        simulated,
+        e_n,
+        moves,
+    })
 }
 
 fn error(
@@ -103,5 +159,6 @@ fn error(
     moves.sort_by(|a, b| b.by_u.abs().total_cmp(&a.by_u.abs()));
     let least = LISTED_SHARE * moves.first().map_or(0.0, |first| first.by_u.abs());
     moves.retain(|one| one.by_u.abs() >= least && one.by_u != 0.0);
+    let (measured, simulated) = (Some(measured), Some(simulated));
     NormalisedError { quantity, unit: output.unit, measured, simulated, e_n, moves }
 }

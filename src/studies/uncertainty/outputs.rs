@@ -11,7 +11,7 @@ use crate::quantity::Uncertain;
 /// An output with its interval.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OutputInterval {
-    /// What it is: `p14 first peak`, `p14 half-rise`, `p14 -> p27 peak`.
+    /// What it is: `p14 first peak`, `p14 half-rise`, `p14 -> p27 delay`, `p14 -> p27 peak`.
     pub name: String,
     /// Its unit.
     pub unit: &'static str,
@@ -84,7 +84,7 @@ pub(super) fn intervals(
 impl OutputInterval {
     /// The same as a number with its standard uncertainty.
     pub fn uncertain(&self) -> Uncertain {
-        Uncertain { value: self.value, u: self.u }
+        Uncertain::normal(self.value, self.u)
     }
 }
 
@@ -103,6 +103,12 @@ fn listed(prediction: &Prediction) -> Vec<(String, &'static str, f64)> {
     }
     for (channel, volts) in &prediction.heights {
         add(format!("{channel} first peak"), "V", Some(*volts));
+    }
+    let time = |sensor: &str| prediction.readings.iter().find(|r| r.name == sensor)?.half_rise_s;
+    for speed in prediction.speeds.iter().filter(|speed| speed.estimator == "half_rise") {
+        let Speed { from_sensor, to_sensor, .. } = speed;
+        let delay = time(from_sensor).zip(time(to_sensor)).map(|(from, to)| to - from);
+        add(format!("{from_sensor} -> {to_sensor} delay"), "s", delay);
     }
     for Speed { from_sensor, to_sensor, estimator, m_per_s, .. } in &prediction.speeds {
         let estimator = estimator.replace('_', "-");

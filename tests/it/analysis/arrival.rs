@@ -209,7 +209,8 @@ fn first_peak_and_count() {
 
 #[test]
 fn speeds_and_decay() {
-    let sure = |value: f64, standard_uncertainty: f64| Uncertain { value, u: standard_uncertainty };
+    let sure =
+        |value: f64, standard_uncertainty: f64| Uncertain::normal(value, standard_uncertainty);
     let found = speed(sure(0.05, 1e-5), sure(1e-4, 1e-6), sure(4e-4, 1e-6)).expect("a speed");
     assert!((found.value - 166.666_666_666_666_67).abs() < 1e-10);
     // (1e-5/0.05)^2 + 2 (1e-6/3e-4)^2.

@@ -54,7 +54,7 @@ fn spectrum_of_the_linear_chain() {
     let peak = &found["peaks"][0];
     assert_eq!(peak["band"], "gap");
     let off = (number(&peak["frequency_hz"]) - 11_211.765).abs();
-    assert!(off <= number(&peak["uncertainty_hz"]), "{peak}");
+    assert!(off <= number(&peak["U95_hz"]), "{peak}");
     assert_eq!(number(&found["padded"]), 5.0 * number(&found["samples"]));
     let svg = std::fs::read_to_string(&picture).expect("a picture");
     assert!(svg.starts_with("<svg") && svg.contains("f2, the gap's upper edge"));

@@ -44,7 +44,7 @@ fn sines_between_bins() {
             assert_eq!(peaks.len(), 1, "{window}: side lobes are no lines of their own");
             let off = (peaks[0].frequency - frequency).abs();
             assert!(off <= moved * spectrum.resolution, "{window} {fraction}: {off} Hz");
-            assert!(off <= peaks[0].uncertainty, "{window} {fraction}: {off} Hz");
+            assert!(off <= peaks[0].bound, "{window} {fraction}: {off} Hz");
             let ratio = peaks[0].amplitude / 1.5;
             assert!((ratio - 1.0).abs() <= height, "{window} {fraction}: {ratio}");
         }

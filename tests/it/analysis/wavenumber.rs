@@ -28,7 +28,7 @@ fn plane_waves_are_found() {
         .collect();
     let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
     let found = spectral_lines(&rows, interval, (20e3, 0.2)).expect("waves");
-    assert!((found.frequency_u - 200.0).abs() < 1e-9);
+    assert!((found.frequency_resolution - 200.0).abs() < 1e-9);
     for (onward, (frequency, phase, height)) in [(true, on), (false, back)] {
         let lines = found.lines.iter().filter(|line| line.onward == onward);
         let best = lines.max_by(|a, b| a.height.total_cmp(&b.height)).expect("a wave");
@@ -69,8 +69,12 @@ fn the_linear_chain_lies_on_its_branches() {
     for line in &found.lines {
         // Over what the phase may be off, the branch passes the frequency.
         let spread = |branch: &dyn Fn(f64) -> f64| {
-            let ends = [-1.0, 1.0].map(|s| branch((line.phase + s * found.phase_u).clamp(0.0, PI)));
-            (ends[0].min(ends[1]) - found.frequency_u, ends[0].max(ends[1]) + found.frequency_u)
+            let ends = [-1.0, 1.0]
+                .map(|s| branch((line.phase + s * found.phase_resolution).clamp(0.0, PI)));
+            (
+                ends[0].min(ends[1]) - found.frequency_resolution,
+                ends[0].max(ends[1]) + found.frequency_resolution,
+            )
         };
         let within = |(low, high): (f64, f64)| (low..=high).contains(&line.frequency);
         let on = [within(spread(&|p| chain.acoustic(p))), within(spread(&|p| chain.optical(p)))];
@@ -79,8 +83,10 @@ fn the_linear_chain_lies_on_its_branches() {
         assert_eq!(line.onward, on[0], "{line:?}");
         acoustic += u32::from(on[0]);
         optical += u32::from(on[1]);
-        let (low, high) =
-            (chain.gap_bottom() + found.frequency_u, chain.gap_top() - found.frequency_u);
+        let (low, high) = (
+            chain.gap_bottom() + found.frequency_resolution,
+            chain.gap_top() - found.frequency_resolution,
+        );
         assert!(!(low..high).contains(&line.frequency), "{line:?}");
     }
     println!("{acoustic} acoustic, {optical} optical");

@@ -155,7 +155,7 @@ fn mistakes_in_a_plan_are_told_with_their_places() {
             "missing `strikers.ball.mass_u`: give the standard uncertainty of mass",
         ),
         ("height_u = \"0.1 mm\"", "height_u = \"0.1 g\"", "plan.toml:12:12: impacts[1].height_u"),
-        ("in_chain = true", "", "gain_u = \"3 %\", or in_chain = true"),
+        ("in_chain = true", "", "gain_limit = \"3 %\" of its data sheet"),
         (
             "rebound_speed = \"0.4 m/s\"\n",
             "",

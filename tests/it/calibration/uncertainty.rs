@@ -43,16 +43,15 @@ fn the_budget_is_complete_and_monte_carlo_confirms_it() {
 #[test]
 fn ways_to_tell_a_speed_agree() {
     let mut blind = BENCH.blind(8);
-    blind.common.gate_distance = Some(Uncertain { value: 20e-3, u: 20e-6 });
+    blind.common.gate_distance = Some(Uncertain::normal(20e-3, 20e-6));
     let plain = blind.calibrate().expect("a calibration").sensitivity;
     for strike in &mut blind.strikes {
         let SpeedSource::Speed(rebound) = strike.motion.rebound else { panic!("a speed") };
         let SpeedSource::Height(height) = strike.motion.incoming else { panic!("a height") };
         let incoming = (2.0 * 9.81 * height.value).sqrt();
-        strike.motion.incoming =
-            SpeedSource::GateTime(Uncertain { value: 20e-3 / incoming, u: 1e-6 });
+        strike.motion.incoming = SpeedSource::GateTime(Uncertain::normal(20e-3 / incoming, 1e-6));
         strike.motion.rebound =
-            SpeedSource::FlightTime(Uncertain { value: 2.0 * rebound.value / 9.81, u: 1e-4 });
+            SpeedSource::FlightTime(Uncertain::normal(2.0 * rebound.value / 9.81, 1e-4));
     }
     let other = blind.calibrate().expect("a calibration");
     // Weights differ with the uncertainties: a little of the scatter remains.

@@ -22,7 +22,7 @@ fn plots_are_svg_or_png_by_their_ending() {
 fn paper_fills_a_folder() {
     let folder = temporary();
     let page = printed(folder.path(), &["paper", "--figure", "9", "--out", "out", "-q"]);
-    says(&page, &["magnet_gap_line_2.75g", "7.7 kHz", "does not hold", "out/report.html"]);
+    says(&page, &["magnet_gap_line_2.75g", "7.7 kHz", "agrees", "out/report.html"]);
     let expected = [
         "figure-09-forces.csv",
         "figure-09-spectra.csv",

@@ -15,12 +15,12 @@ const SHORT: &str = "base = \"magnet-0.61g\"\nduration = \"400 us\"\n\
     [sensors.p14]\nparticle = 6\n[sensors.p27]\nparticle = 9\nhost = \"steel_cylinder\"\n\
     [scope]\ntime_base = \"50 us/div\"\nposition = \"200 us\"\n";
 
-struct Lab {
+pub struct Lab {
     _folder: tempfile::TempDir,
-    scene: Adjustable,
+    pub scene: Adjustable,
 }
 
-fn lab(text: &str) -> Lab {
+pub fn lab(text: &str) -> Lab {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("short.toml");
     std::fs::write(&file, format!("{SHORT}{text}")).expect("a scene");

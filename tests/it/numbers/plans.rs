@@ -124,6 +124,25 @@ fn a_plan_that_contradicts_itself_is_refused() {
     assert!(!at.join("out").exists());
     hertzscope(at, &["calibrate", "plan.toml", "-o", "out", "--force"]).success();
     assert!(at.join("out/certificate.md").exists());
+    // Half of what the readings scatter by as their uncertainties: a Birge ratio between 2.2 and 5.
+    write(at, |plan| {
+        let half = |line: &str| {
+            let (key, value) = line.split_once(" = \"").expect("a text");
+            let (number, unit) = value.split_once(' ').expect("a unit");
+            format!("{key} = \"{:e} {unit}", 0.5 * number.parse::<f64>().expect("a number"))
+        };
+        let line = |line: &str| {
+            let is_reading = line.starts_with("height_u") || line.starts_with("rebound_speed_u");
+            if is_reading { half(line) } else { line.to_owned() }
+        };
+        plan.lines().map(line).collect::<Vec<_>>().join("\n")
+    });
+    let refused = hertzscope(at, &["calibrate", "plan.toml", "-o", "half", "--json"]).code(1);
+    let found: serde_json::Value =
+        serde_json::from_slice(&refused.get_output().stdout).expect("JSON");
+    let ratio = found["birge_ratio"].as_f64().expect("a ratio");
+    assert!((2.2..5.0).contains(&ratio), "{ratio}");
+    assert!(!at.join("half").exists());
     write(at, |plan| plan.replace("rebound_speed = \"", "rebound_speed = \"1"));
     let refused = hertzscope(at, &["calibrate", "plan.toml"]).code(1);
     let told = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
@@ -153,4 +172,27 @@ fn the_sensors_file_carries_channel_and_range() {
     let page = hertzscope(at, &["force", "impact-1.mcap", "--sensor", &wire]).success();
     let page = String::from_utf8_lossy(&page.get_output().stdout).into_owned();
     assert!(page.contains("u = 2.45 %") && page.contains("CH1 at 5.00 V/div"), "{page}");
+}
+
+/// Behind a charge amplifier the sensitivity is its gain times the charge; the sensor's file names no input, so that it holds for any.
+#[test]
+fn a_charge_amplifier_is_a_load() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    write(at, |plan| {
+        let plan: Vec<&str> = plan.lines().filter(|line| !line.starts_with("input_")).collect();
+        plan.join("\n").replace("[scope]", "[scope]\ncharge_amplifier = \"10 mV/pC\"")
+    });
+    let output = hertzscope(at, &["calibrate", "plan.toml", "-o", "out", "--json"]).success();
+    let found: serde_json::Value =
+        serde_json::from_slice(&output.get_output().stdout).expect("JSON");
+    let number = |key: &str| found[key].as_f64().expect("a number");
+    // 10 mV/pC is 1e10 V/C.
+    let charge = number("sensitivity_v_per_n") / 1e10;
+    assert!((number("charge_sensitivity_c_per_n") / charge - 1.0).abs() < 1e-12);
+    let file = at.join("out/pzt-5a-710pf-calibrated.toml").display().to_string();
+    let sensor = plates::load(&file).expect("readable").expect("a sensor");
+    assert_eq!(sensor.measured.load, None);
+    let certificate = std::fs::read_to_string(at.join("out/certificate.md")).expect("a page");
+    assert!(certificate.contains("a charge amplifier of 10 mV/pC"), "{certificate}");
 }

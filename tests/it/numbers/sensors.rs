@@ -3,7 +3,7 @@
 use hertzscope::experiment::{Integration, facts::facts, run};
 use hertzscope::scene::Scene;
 
-use super::scene;
+use super::{recorded, scene, surveyed};
 
 fn problems(base: &str, text: &str) -> String {
     let text = format!("base = \"{base}\"\n{text}");
@@ -72,6 +72,9 @@ fn a_calibration_in_another_host_is_noted() {
             note.sentence.contains("was calibrated in steel_cylinder and sits in ptfe_sphere")
         });
         assert_eq!(noted, is_noted, "{host}: {:?}", summary.notes);
+        let notes = surveyed(&recorded(&scene, 1e-3)).notes;
+        let is_told = notes.iter().any(|note| note.contains("30 % less"));
+        assert_eq!(is_told, is_noted, "{host}: {notes:?}");
     }
 }
 

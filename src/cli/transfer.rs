@@ -1,0 +1,132 @@
+//! `hertzscope transfer`: how one sensor's signal follows another's, over frequency.
+
+use std::path::PathBuf;
+
+use anyhow::bail;
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::input::ReadingArguments;
+use super::picture::PlotArguments;
+use super::signal::{WindowChoice, named, time};
+use super::spectrum::chain_at;
+use crate::analysis::gate::Gate;
+use crate::analysis::transfer::{TransferSettings, transfer};
+use crate::report::transfer::{TransferPage, decibels};
+use crate::scope::Waveform;
+
+/// Show how the signal at one sensor follows that at another: transfer function and coherence over frequency, averaged over shots, with the band gap
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Recordings (.mcap), a scope's files (.csv, .isf), or folders of them: all their shots count
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    /// The two signals, e.g. CH2,CH3; simulated ones by their names, e.g. p14,p27
+    #[arg(long, value_name = "FROM,TO", value_delimiter = ',', num_args = 1, required = true)]
+    between: Vec<String>,
+    #[command(flatten)]
+    reading: ReadingArguments,
+    /// Cut each shot's record into this many segments
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    segments: u32,
+    /// Window of each segment: rectangular for pulses that end within it
+    #[arg(long, value_enum, default_value_t = WindowChoice::Rectangular)]
+    window: WindowChoice,
+    /// First time to take, e.g. -200us: after the trigger, or of simulated signals after the striker's first contact
+    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    from: Option<f64>,
+    /// First time to leave out
+    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    to: Option<f64>,
+    /// Print as JSON, all bins included
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    plot: PlotArguments,
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    arguments.plot.check()?;
+    let [from, to] = arguments.between.as_slice() else {
+        bail!("--between: found {} signals, expected two, e.g. CH2,CH3", arguments.between.len());
+    };
+    let (mut pairs, mut notes, mut chain) = (Vec::new(), Vec::new(), None);
+    for file in &arguments.files {
+        let set = arguments.reading.open(file)?;
+        for shot in &set.shots {
+            let ((x, site, _), (y, ..)) = (named(&set, shot, from)?, named(&set, shot, to)?);
+            if pairs.is_empty() {
+                (chain, notes) = chain_at(&set, shot.number, site);
+            }
+            let clipped = |name: &str| {
+                let named = shot.captures.iter().map(|c| &c.waveform);
+                named
+                    .filter(|w| w.source.to_string().eq_ignore_ascii_case(name))
+                    .map(Waveform::clipped)
+                    .sum::<usize>()
+            };
+            let clipped = clipped(from) + clipped(to);
+            if clipped > 0 {
+                notes.push(format!(
+                    "{}, shot {}: {clipped} samples are clipped at the converter's ends, which no transfer function describes",
+                    file.display(),
+                    shot.number
+                ));
+            }
+            pairs.push((x, y));
+        }
+    }
+    let settings = TransferSettings {
+        segments: usize::try_from(arguments.segments).unwrap_or(usize::MAX),
+        window: arguments.window.window(),
+        gate: Gate {
+            from: arguments.from.unwrap_or(f64::NEG_INFINITY),
+            to: arguments.to.unwrap_or(f64::INFINITY),
+        },
+    };
+    let names = pairs.first().map(|(x, y)| format!("from {} to {}", x.name, y.name));
+    let page = TransferPage {
+        title: names.unwrap_or_default(),
+        found: transfer(&pairs, settings)?,
+        shots: pairs.len(),
+        window: settings.window.to_string(),
+        chain,
+        notes,
+    };
+    arguments.plot.save(|| page.picture())?;
+    if arguments.json {
+        super::print(&serde_json::to_string_pretty(&as_json(&page))?)
+    } else {
+        super::print(&page.text())
+    }
+}
+
+fn as_json(page: &TransferPage) -> Value {
+    let found = &page.found;
+    let column = |of: &dyn Fn(usize) -> f64| (0..found.bins.len()).map(of).collect::<Vec<f64>>();
+    let bands = page.bands().into_iter().filter_map(|(name, [low, high])| {
+        let band = found.between(low, high)?;
+        Some(json!({
+            "name": name, "from_hz": low, "to_hz": high, "input_share": band.input_share,
+            "gain": band.gain, "gain_db": decibels(band.gain), "coherence": band.coherence,
+        }))
+    });
+    json!({
+        "signals": page.title,
+        "shots": page.shots,
+        "segments": found.segments,
+        "samples": found.length,
+        "window": page.window,
+        "step_hz": found.step,
+        "f1_hz": page.chain.map(|chain| chain.gap_bottom()),
+        "f2_hz": page.chain.map(|chain| chain.gap_top()),
+        "f3_hz": page.chain.map(|chain| chain.cutoff()),
+        "chance_coherence": found.chance_coherence(),
+        "bands": bands.collect::<Vec<_>>(),
+        "gain": column(&|bin| found.bins[bin].gain),
+        "gain_u": column(&|bin| found.bins[bin].gain_u),
+        "phase_rad": column(&|bin| found.bins[bin].phase),
+        "coherence": column(&|bin| found.bins[bin].coherence),
+        "notes": page.notes,
+    })
+}
