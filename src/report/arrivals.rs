@@ -1,6 +1,7 @@
 //! Arrivals and speeds as a page of text.
 
 use super::table;
+use super::uncertainty::with_expanded;
 use crate::measurement::arrivals::{ChannelArrivals, SpeedBetween, Survey};
 use crate::quantity::{Uncertain, engineering};
 
@@ -91,17 +92,5 @@ fn speeds(survey: &Survey) -> Vec<String> {
 /// A number with its expanded uncertainty in the same prefix: `309.8 ± 0.7 µs`.
 fn with(measure: Option<Uncertain>, unit: &str) -> String {
     let Some(measure) = measure else { return "-".to_owned() };
-    let (value, expanded) = (measure.value, measure.expanded());
-    let shown = engineering(value, unit, 4);
-    let Some((number, prefixed)) = shown.split_once(' ') else { return shown };
-    let Ok(mantissa) = number.parse::<f64>() else { return shown };
-    if mantissa == 0.0 || !expanded.is_finite() {
-        return shown;
-    }
-    // The power of ten that the prefix stands for.
-    let scale = 10f64.powf((mantissa / value).log10().round());
-    let around = expanded * scale;
-    // Two digits of the uncertainty, and the value to the same place.
-    let decimals = (1.0 - around.log10().floor()).clamp(0.0, 6.0) as usize;
-    format!("{:.decimals$} ± {around:.decimals$} {prefixed}", value * scale)
+    with_expanded(measure.value, measure.expanded(), unit)
 }

@@ -12,7 +12,7 @@ use crate::studies::uncertainty::{
 const LISTED_SHARE: f64 = 0.01;
 
 /// A number with its expanded uncertainty to two digits, in the number's prefix: `3.19 ± 0.12 N`.
-fn with(value: f64, expanded: f64, unit: &str) -> String {
+pub(super) fn with_expanded(value: f64, expanded: f64, unit: &str) -> String {
     let shown = engineering(value, unit, 4);
     let Some((number, prefixed)) = shown.split_once(' ') else { return shown };
     let Ok(mantissa) = number.parse::<f64>() else { return shown };
@@ -31,7 +31,7 @@ pub fn prediction_intervals(found: &UncertainPrediction) -> String {
     let shown = |value: f64, unit: &str| engineering(value, unit, 5);
     rows.extend(found.outputs.iter().map(|output| {
         let [low, high] = output.interval_95;
-        let value = with(output.value, output.expanded, output.unit);
+        let value = with_expanded(output.value, output.expanded, output.unit);
         vec![output.name.clone(), value, shown(low, output.unit), shown(high, output.unit)]
     }));
     lines.extend(table::lines(&rows, &[0]));
@@ -107,7 +107,7 @@ fn budget_lines(output: &OutputInterval) -> Vec<String> {
     if left >= LISTED_SHARE {
         parts.push(part("not linear", left));
     }
-    let value = with(output.value, output.expanded, output.unit);
+    let value = with_expanded(output.value, output.expanded, output.unit);
     let mut lines = vec![format!("  {}  {value}", output.name)];
     lines.extend(hanging_indent("      ", &parts.join(", ")));
     lines
@@ -133,7 +133,7 @@ pub fn normalised_error_lines(errors: &[NormalisedError]) -> Vec<String> {
     let mut lines = vec!["by what both sides know (E_n up to 1 agrees)".to_owned()];
     let mut rows = vec![["", "measured", "simulated", "E_n"].map(str::to_owned).to_vec()];
     let shown = |number: Option<Uncertain>, unit: &str| {
-        number.map_or("-".to_owned(), |number| with(number.value, number.expanded(), unit))
+        number.map_or("-".to_owned(), |number| with_expanded(number.value, number.expanded(), unit))
     };
     rows.extend(errors.iter().map(|error| {
         let (measured, simulated) =
