@@ -79,7 +79,15 @@ impl Serialize for Uncertain {
 /// [`QuantityError`] when there is no number, the number is not finite, a unit symbol is unknown, or
 /// the unit measures something other than `dimension`.
 pub fn parse(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
-    let (value, found) = parse_any(text)?;
+    of_dimension(text, parse_any(text)?, dimension)
+}
+
+/// The value that was read from `text`, if it has the wanted dimension.
+fn of_dimension(
+    text: &str,
+    (value, found): (f64, Dimension),
+    dimension: Dimension,
+) -> Result<f64, QuantityError> {
     if found == dimension {
         Ok(value)
     } else {
@@ -112,12 +120,7 @@ pub fn parse_any(text: &str) -> Result<(f64, Dimension), QuantityError> {
 /// # Errors
 /// As [`parse`].
 pub fn parse_difference(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
-    let (value, found) = parse_any_difference(text)?;
-    if found == dimension {
-        Ok(value)
-    } else {
-        Err(QuantityError::WrongDimension { text: text.trim().to_owned(), found })
-    }
+    of_dimension(text, parse_any_difference(text)?, dimension)
 }
 
 /// Reads `text` as a difference of whatever dimension its unit has; returns the SI value and that dimension.
