@@ -55,7 +55,7 @@ pub enum Convention {
 impl fmt::Display for Convention {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Paper => "|X|/M, the paper's Eq. (11)",
+            Self::Paper => "|X|/M, Herbold et al. (2009), Eq. (11)",
             Self::Density => "one-sided amplitude spectral density",
         })
     }

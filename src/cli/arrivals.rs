@@ -15,14 +15,14 @@ use crate::recording::TraceSet;
 use crate::recording::format::for_each_shot;
 use crate::report;
 
-/// Show when the first pulse arrived at each channel, by several estimators with uncertainties, its speed, and how far shots repeat
+/// Show when the first pulse arrived at each channel, its speed, and how well shots repeat; with uncertainties
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// A recording (.mcap), a scope's file (.csv, .isf), or a folder of them
     file: PathBuf,
     #[command(flatten)]
     reading: ReadingArguments,
-    /// Write the statistics over all shots into this table
+    /// Write statistics over all shots into this table
     #[arg(short, long, value_name = "FILE.csv", value_parser = csv)]
     output: Option<PathBuf>,
     /// Print as JSON: shots and statistics

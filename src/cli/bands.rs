@@ -14,13 +14,13 @@ use crate::scene::{Scene, Site};
 /// Points from the lowest to the highest preload.
 const POINTS: u32 = 13;
 
-/// Show a chain's band edges against its preload: pass bands, gap, speed of long waves
+/// Show a chain's band edges as a function of its preload: pass bands, gap, speed of sound
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A scene that ships with the program, or the path of a scene file
+    /// An included scene, or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
-    /// Particle whose neighbourhood is meant [default: the first sensor's, else 2]
+    /// Particle in the periodic part of the chain that is meant [default: the first sensor's, else 2]
     #[arg(long, value_name = "N")]
     particle: Option<usize>,
     /// Lowest preload
@@ -73,7 +73,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     rows.push(at(now));
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
     let title = format!("{}, around particle {particle}", scene.name);
-    arguments.plot.save(|| report::chart(&report::bands_curve(&rows, now), &title, ("N", "Hz")))?;
+    arguments.plot.save(|| report::chart(&report::bands_curve(&rows, now), &title))?;
     if !arguments.json {
         return super::print(&report::bands(&title, &rows, now));
     }

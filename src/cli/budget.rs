@@ -7,10 +7,10 @@ use crate::report;
 use crate::scene::adjust::Adjustable;
 use crate::studies::uncertainty::{SampleOptions, UncertainPrediction, uncertain_prediction};
 
-/// Show which uncertain input carries how much of a prediction's uncertainty
+/// Show how much each uncertain input contributes to the uncertainty of each prediction
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A scene with a table `[uncertainty]`: one that ships with the program, or the path of a scene file
+    /// A scene with an `[uncertainty]` table: an included scene, or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
     #[command(flatten)]
@@ -26,10 +26,10 @@ pub struct Arguments {
 /// How an uncertain scene is sampled.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct DrawArguments {
-    /// Samples of the scene's uncertainty, a Latin hypercube
+    /// Number of Monte Carlo runs over the scene's uncertain inputs (Latin hypercube)
     #[arg(long, value_name = "N", default_value_t = 400, value_parser = clap::value_parser!(u32).range(20..=1_000_000))]
     samples: u32,
-    /// Seed of the samples
+    /// Random seed of these runs
     #[arg(long, value_name = "N", default_value_t = 1)]
     sample_seed: u64,
 }

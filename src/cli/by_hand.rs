@@ -14,20 +14,20 @@ const TOLERANCES: [f64; 2] = [1e-15, 0.1];
 pub enum ByHand {
     /// Order 2, symplectic; takes a step
     VelocityVerlet,
-    /// Order 4, symplectic, kicks by gradients of the forces, too; takes a step
+    /// Order 4, symplectic, uses force gradients; takes a step
     ForceGradient,
-    /// One like it in steps that are short while the stiffest contact is closed; takes a tolerance
+    /// The same with two step lengths, short while the stiffest contact is closed; takes a tolerance
     TwoStepForceGradient,
-    /// Order 4, for scenes with losses, too; takes a step
+    /// Order 4, also for scenes with losses; takes a step
     #[value(name = "runge-kutta-4")]
     RungeKutta4,
     /// Orders 8(6); takes a tolerance
     #[value(name = "dormand-el-mikkawy-prince-86")]
     DormandElMikkawyPrince86,
-    /// Orders 5(4), for scenes with losses, too; takes a tolerance
+    /// Orders 5(4), also for scenes with losses; takes a tolerance
     #[value(name = "dormand-prince-54")]
     DormandPrince54,
-    /// Orders 8(5,3), for scenes with losses, too; takes a tolerance
+    /// Orders 8(5,3), also for scenes with losses; takes a tolerance
     #[value(name = "dormand-prince-853")]
     DormandPrince853,
     /// Orders 4(3), implicit, for scenes with losses only; takes a tolerance

@@ -20,26 +20,33 @@ use crate::scene::plan;
 use crate::studies::momentum_test::coverage::coverage;
 use crate::studies::momentum_test::design::{Designer, LabUncertainties, TestDesign, strikers};
 
-/// Calibrate a sensor through linear momentum: sensitivity, time constant, uncertainty budget, certificate
+/// Calibrate a sensor from the momentum of impacts: sensitivity, time constant, uncertainty budget, certificate
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// The plan: recordings, strikers, speeds, each with its standard uncertainty
+    /// Plan (TOML): recordings, and the striker's masses and speeds with their uncertainties; `hertzscope help plan` shows one
     #[arg(required_unless_present = "simulate")]
     plan: Option<PathBuf>,
-    /// Design the test for a sensor instead, a name or a file: tries strikers, heights, V/div and s/div, calibrates blind, and with
-    /// --output writes the best test's plan and recordings
+    /// Instead, design the calibration of this sensor (a name or a file): simulates it over strikers, drop heights, V/div and s/div, and
+    /// shows the best; with --output, writes its plan and recordings
     #[arg(long, value_name = "SENSOR", conflicts_with = "plan")]
     simulate: Option<String>,
     /// With --simulate: try only strikers whose name contains this, e.g. ptfe
-    #[arg(long, value_name = "NAME", requires = "simulate", default_value = "")]
+    #[arg(
+        long,
+        value_name = "NAME",
+        requires = "simulate",
+        default_value = "",
+        hide_default_value = true
+    )]
     striker: String,
-    /// With --simulate: repeat the best calibration blind this many times, and tell its bias and coverage
+    /// With --simulate: repeat the best calibration this many times with hidden true values; shows bias and coverage
     #[arg(long, value_name = "N", requires = "simulate", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     repeat: Option<u32>,
-    /// With --simulate: seed of readings, noise, and hidden truths
+    /// With --simulate: random seed of readings, noise and true values
     #[arg(long, value_name = "N", requires = "simulate", default_value_t = 1)]
     seed: u64,
-    /// With --simulate: relative standard uncertainty of the scope's gain, e.g. 3% [default: sensor and scope are one chain]
+    /// With --simulate: relative standard uncertainty of the scope's gain, e.g. 3% [default: none, sensor and scope are calibrated
+    /// together]
     #[arg(long, value_name = "U", requires = "simulate", value_parser = share)]
     gain_u: Option<f64>,
     #[command(flatten)]
@@ -47,7 +54,7 @@ pub struct Arguments {
     /// Write certificate, JSON, pictures and the sensor's file into this folder
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Certify even where the plan contradicts itself
+    /// Write a certificate although the plan's data contradict each other
     #[arg(long, conflicts_with = "simulate")]
     force: bool,
     /// Print as JSON

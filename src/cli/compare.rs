@@ -23,28 +23,28 @@ use crate::report::document::{Part, html, markdown};
 use crate::scene::Scene;
 use crate::studies::uncertainty::{NormalisedError, normalised_errors};
 
-/// Hold a measurement against a simulation: scores for each channel; exit code 1 where they are beyond the tolerance
+/// Compare a measurement with a simulation: scores for each channel; exit code 1 where they exceed the tolerance
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// A recording (.mcap), a scope's file (.csv, .isf), or a folder of them
     measured: PathBuf,
-    /// The same of a simulation, or a scene, which is run: one that ships with the program, or a .toml file
+    /// A simulated recording, file or folder, or a scene to run (included, or a .toml file)
     simulated: String,
     #[command(flatten)]
     table: TableArguments,
-    /// Limits of the scores: peak, speed, gain, spectrum (5%), arrival (2us), rms, max (2lsb, 10mV, 0.1N), correlation (0.99)
-    /// [default: what both sides know, `E_n` up to 1, where the scene has `[uncertainty]`; else rms=1lsb]
+    /// Limits of the scores, e.g. peak=5%,arrival=2us,rms=2lsb,correlation=0.99; also speed, gain, spectrum (%) and max (lsb, V, N)
+    /// [default: where the scene has `[uncertainty]`, a normalised error `E_n` of at most 1; else rms=1lsb]
     #[arg(long, value_name = "LIST", value_parser = ScoreLimits::parse)]
     tolerance: Option<ScoreLimits>,
     #[command(flatten)]
     draws: DrawArguments,
-    /// How both are brought onto one time axis
+    /// How measurement and simulation are aligned in time
     #[arg(long, value_enum, default_value = "arrival")]
     align: AlignBy,
-    /// Which simulated sensor or channel a measured channel is, e.g. CH1=p2,CH2=p14 [default: the recorded wiring, else the number]
+    /// Simulated sensor or channel of a measured channel, e.g. CH1=p2,CH2=p14 [default: as recorded, else equal numbers]
     #[arg(long, value_name = "CH=NAME", value_delimiter = ',', value_parser = assignment)]
     map: Vec<Assignment>,
-    /// A measured channel's sensor, a name or a file such as `calibrate` writes
+    /// Calibration of the sensor at a measured channel, an included sensor or a file that `calibrate` wrote, e.g. CH1=sensor.toml
     #[arg(long, value_name = "CH=SENSOR", value_parser = wired)]
     sensor: Vec<SensorAssignment>,
     #[command(flatten)]
@@ -65,11 +65,11 @@ pub struct Arguments {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum AlignBy {
-    /// Trigger on trigger
+    /// At equal trigger times
     Trigger,
-    /// Arrival (half-rise) on arrival at the first channel that has one
+    /// At equal arrival (half-rise) on the first channel with a pulse
     Arrival,
-    /// The shift with the least squared residuals over all channels
+    /// By the shift with the least squared residuals over all channels
     LeastSquares,
 }
 

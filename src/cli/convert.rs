@@ -23,28 +23,28 @@ use crate::sweep::table;
 
 use super::saved::saved;
 
-/// Convert recordings and a scope's files into each other, into tables, or into pictures of the screen
+/// Convert between recordings and a scope's files, or into tables and pictures
 #[derive(Debug, Args)]
 #[allow(clippy::struct_excessive_bools, reason = "switches of a command line")]
 pub struct Arguments {
     /// A recording (.mcap), a scope's file (.csv, .isf), or a folder of them
     input: PathBuf,
-    /// A recording (.mcap), a table `time_s,CH1_V,...` (.csv, .jsonl, .parquet), a file of the scope for a single capture (.isf, or .csv with
-    /// --as tds), a picture of the first shot (.svg, .png, or as the scope makes it: .bmp, .pcx, .tif, .eps), or a folder (no ending, or FOLDER/) in
-    /// which ALL0000, ALL0001, ... are made
+    /// By its extension: a recording (.mcap); a table (.csv, .jsonl, .parquet); a scope's file with one channel (.isf, or .csv with --as
+    /// tds); a picture of the first shot (.svg, .png, or the scope's own .bmp, .pcx, .tif, .eps); without extension a folder with ALL0000,
+    /// ALL0001, ... as the scope writes them
     output: PathBuf,
-    /// What a .csv is: a plain table, or the file that a TDS2000 saves
+    /// Kind of .csv
     #[arg(long = "as", value_name = "FORM", value_enum, default_value = "table")]
     form: Form,
-    /// In a table: the true forces at the sensors as well, of a simulation
+    /// In a table: also the simulated (true) forces at the sensors
     #[arg(long)]
     truth: bool,
-    /// In a table: newtons in the place of volts, by the sensors' calibrations
+    /// In a table: forces (N) instead of voltages, by the sensors' calibrations
     #[arg(long)]
     newtons: bool,
     #[command(flatten)]
     reading: ReadingArguments,
-    /// The instrument that captures without one are said to be from: a native .csv must name it
+    /// Instrument model for captures that name none; a scope's .csv needs one
     #[arg(long, value_name = "MODEL")]
     instrument: Option<String>,
     /// In a picture (.svg, .png): dark on white, for print
@@ -52,7 +52,7 @@ pub struct Arguments {
     light: bool,
     #[command(flatten)]
     overwrite: OverwriteArguments,
-    /// Do not name the files written
+    /// Do not print the names of written files
     #[arg(short, long)]
     quiet: bool,
 }
@@ -60,9 +60,9 @@ pub struct Arguments {
 /// What a .csv is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Form {
-    /// `time_s,CH1_V,...`, one row a sample, for pandas and spreadsheets
+    /// `time_s,CH1_V,...`, one row per sample, for pandas and spreadsheets
     Table,
-    /// As the instrument saves it, one channel a file
+    /// As the instrument saves it, one file per channel
     Tds,
 }
 

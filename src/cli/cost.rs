@@ -16,24 +16,24 @@ use crate::report::{self, WorkMeasure};
 use crate::scene::Scene;
 use crate::studies::cost::{CostStudy, TIMED_RUNS, study};
 
-/// Show what accuracy costs in time: each accuracy with its errors and times, then every method over its settings
+/// Show what accuracy costs in time: errors and computing time of each accuracy, then of every method and setting
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A scene that ships with the program, or the path of a scene file
+    /// An included scene, or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
-    /// Print the study as JSON
+    /// Print as JSON
     #[arg(long)]
     json: bool,
     #[command(flatten)]
     plot: PlotArguments,
-    /// Run the scene, too, and write its recording with the study as its attachment `cost.json`
+    /// Also run the scene and write its recording, with the study as attachment `cost.json`
     #[arg(long, value_name = "FILE.mcap", value_parser = recording)]
     record: Option<PathBuf>,
-    /// Draw errors against evaluations of all contact forces instead of time
+    /// Draw errors over force evaluations instead of time
     #[arg(long)]
     evaluations: bool,
-    /// Runs of each point that are timed
+    /// Timed runs of each point
     #[arg(long, value_name = "N", default_value_t = TIMED_RUNS, value_parser = clap::value_parser!(u16).range(1..))]
     runs: u16,
     /// No progress bar

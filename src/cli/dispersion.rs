@@ -22,23 +22,23 @@ const FREQUENCY_MARGIN: f64 = 1.2;
 /// A share in percent (1).
 const PERCENT: f64 = 0.01;
 
-/// Show the waves of a recording, frequency over wavenumber, on the dispersion relation of its chain
+/// Show frequency and wavenumber of the waves in a simulated recording, with the chain's dispersion relation
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A recording of a simulation (.mcap): waves are read from the contact forces along the chain
+    /// A simulated recording (.mcap): waves are found in the contact forces along the chain
     file: PathBuf,
     #[command(flatten)]
     reading: ReadingArguments,
-    /// Particle in whose periodic part of the chain to look [default: the first sensor's, else 2]
+    /// Particle in the periodic part of the chain that is meant [default: the first sensor's, else 2]
     #[arg(long, value_name = "N")]
     particle: Option<usize>,
-    /// First time to take, e.g. 200us, after the striker's first contact
+    /// Start, e.g. 200us, after the striker's first contact
     #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
     from: Option<f64>,
-    /// First time to leave out
+    /// End
     #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
     to: Option<f64>,
-    /// Show waves that reach this share of the highest (%)
+    /// Show waves whose amplitude reaches this percentage of the largest (%)
     #[arg(long, value_name = "PERCENT", default_value_t = 2.0, value_parser = percent)]
     least: f64,
     /// Print as JSON

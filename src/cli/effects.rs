@@ -9,13 +9,13 @@ use crate::report;
 use crate::scene::Scene;
 use crate::studies::effects::ledger;
 
-/// Show the effects of a scene: on or off, what each changes, its time, and whether the scene needs it
+/// Show which effects a scene includes: what each changes, its computing time, and whether the scene needs it
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A scene that ships with the program, or the path of a scene file
+    /// An included scene, or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
-    /// Accuracy of the runs that are compared, e.g. 1e-6, or auto for what the scene's scope calls for [default: the scene's, else auto]
+    /// Accuracy of the runs that are compared, 1e-11 to 0.1, or auto: what the scope can resolve [default: the scene's, else auto]
     #[arg(long, value_name = "X", value_parser = AccuracyArguments::parse, allow_hyphen_values = true)]
     accuracy: Option<AccuracyArguments>,
     /// Add why each is on or off, with the criterion
@@ -23,7 +23,7 @@ pub struct Arguments {
     why: bool,
     #[command(flatten)]
     plot: PlotArguments,
-    /// Print the ledger as JSON
+    /// Print as JSON
     #[arg(long)]
     json: bool,
     /// No progress bar

@@ -21,57 +21,58 @@ use crate::report;
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
 use crate::scene::{LOOSEST_ACCURACY, TIGHTEST_ACCURACY};
 
-/// Find a scene's numbers from measured traces, with uncertainties: least squares through sensor and scope
+/// Fit parameters of a scene to measured traces, with uncertainties: least squares, sensor and scope included
 #[derive(Debug, Args)]
 #[allow(clippy::struct_excessive_bools, reason = "switches of a command line")]
 pub struct Arguments {
-    /// A recording (.mcap), a scope's file (.csv, .isf), or a folder of them; then the scene. With --blind, the scene alone
+    /// A recording (.mcap), a scope's file (.csv, .isf) or a folder of them, then the scene; with --blind, only the scene
     #[arg(value_names = ["MEASURED", "SCENE"], num_args = 1..=2, required = true)]
     inputs: Vec<String>,
-    /// Numbers to find, by their paths in the scene; * is every name, and PATH=VALUE starts from another value than the scene's
+    /// Parameters to fit, by their paths in the scene, e.g. striker.speed,materials.*.youngs_modulus; * matches any name, PATH=VALUE sets
+    /// the start
     #[arg(long, value_name = "PATHS", value_delimiter = ',', required = true)]
     free: Vec<String>,
-    /// Which sensor a measured channel is, e.g. CH1=p2,CH2=p14 [default: the recorded wiring, else the number]
+    /// Simulated sensor of a measured channel, e.g. CH1=p2,CH2=p14 [default: as recorded, else equal numbers]
     #[arg(long, value_name = "CH=SENSOR", value_delimiter = ',', value_parser = assignment)]
     map: Vec<Assignment>,
     #[command(flatten)]
     table: TableArguments,
     #[command(flatten)]
     selection: Selection,
-    /// Also fit a gain for each channel about which nothing is known
+    /// Also fit a gain for each channel, without prior knowledge of it
     #[arg(long, conflicts_with = "gain_u")]
     gains: bool,
-    /// Relative standard uncertainty of each channel's gain, 0 for exact ones [default: from the scope's and the sensor's files]
+    /// Relative standard uncertainty of each channel's gain, e.g. 3%; 0 for exact ones [default: from the scope's and the sensor's files]
     #[arg(long, value_name = "SHARE", value_parser = share)]
     gain_u: Option<f64>,
-    /// Take the channels' zeros as exact, instead of fitting an offset for each
+    /// Fit no offset of the channels
     #[arg(long)]
     no_offsets: bool,
-    /// Count no samples before this time after the trigger
+    /// Ignore samples before this time after the trigger
     #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
     from: Option<f64>,
-    /// Count no samples after this time after the trigger
+    /// Ignore samples after this time after the trigger
     #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
     to: Option<f64>,
-    /// Start from this many places: the scene's numbers, and others around them
+    /// Number of starting points, the scene's values among them
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     starts: u32,
-    /// How far the others are off at most; with --blind, how far the hidden numbers are
+    /// Largest relative distance of starting points, or with --blind of true values, from the scene's values
     #[arg(long, value_name = "SHARE", default_value = "10%", value_parser = share)]
     spread: f64,
-    /// Seed of starting places and hidden numbers
+    /// Random seed of starting points and true values
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Relative accuracy of the simulations
     #[arg(long, value_name = "X", default_value = "1e-7", value_parser = accuracy)]
     accuracy: f64,
-    /// Profile all numbers, not only badly determined ones
+    /// Profile likelihood intervals of all parameters, not only of poorly determined ones
     #[arg(long)]
     profile: bool,
-    /// Instead of a measurement: record the scene with hidden numbers this many times, and tell how many stated intervals hold them
+    /// Test the fit: simulate this many measurements with random true values; shows how many intervals contain them
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000), conflicts_with_all = ["output", "report"])]
     blind: Option<u32>,
-    /// Write the fitted scene, which stands on SCENE, into this file
+    /// Write the fitted scene, with SCENE as its base, into this file
     #[arg(short, long, value_name = "FILE.toml")]
     output: Option<PathBuf>,
     /// Write a report with plots (.md, .html)

@@ -14,7 +14,7 @@ use crate::measurement::force::{Forces, forces};
 use crate::measurement::metadata;
 use crate::report;
 
-/// Turn volts into newtons by the sensors' calibration: droop undone, uncertainties carried along
+/// Convert volts into newtons by the sensors' calibration: corrected for droop, with uncertainties
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// A recording (.mcap), a scope's file (.csv, .isf), or a folder of them

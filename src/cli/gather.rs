@@ -13,7 +13,7 @@ use crate::sweep::gather::GatheredLogs;
 use crate::sweep::summary::GatherSummary;
 use crate::sweep::table;
 
-/// Join the logs of a sweep's shards into one table, and say what is missing; exit code 1 if anything is
+/// Join the logs of a sweep's parts into one table and list missing runs; exit code 1 if there are any
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// Folder of the logs, GRID.sweep
@@ -26,7 +26,7 @@ pub struct Arguments {
     /// Print what was found as JSON
     #[arg(long)]
     json: bool,
-    /// Print nothing but errors; the exit code tells whether anything is missing
+    /// Print only errors; the exit code says whether runs are missing
     #[arg(short, long)]
     quiet: bool,
 }

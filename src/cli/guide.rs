@@ -113,7 +113,8 @@ pub fn guided(command: clap::Command) -> clap::Command {
     }
     page.push_str("\nOptions:\n{options}{after-help}");
     let command = command.help_template(page).after_help(
-        "`hertzscope help COMMAND` has an example of each; `hertzscope help scene` shows what a scene may hold.",
+        "A scene is a TOML file that describes one experiment: chain, striker, sensors and oscilloscope (`hertzscope help scene`). A shot is one impact \
+         with what the oscilloscope recorded of it; a recording (.mcap) holds one or more shots. `hertzscope help COMMAND` has an example of each command.",
     );
     let all = GROUPS.iter().flat_map(|(_, guides)| guides.iter());
     all.fold(command, |command, guide| {

@@ -7,7 +7,7 @@ use super::progress::JobProgress;
 use crate::report;
 use crate::studies::hard_cases::{CaseVerdict, run_all};
 
-/// Compute the catalogue of hard cases: each right within its bound, or refused; exit code 1 if one is wrong
+/// Run cases that are hard to integrate: each must meet its error bound or be refused; exit code 1 if one fails
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// Add what makes each case hard, its bound and its tightest figure
@@ -15,7 +15,7 @@ pub struct Arguments {
     why: bool,
     #[command(flatten)]
     plot: PlotArguments,
-    /// Print the catalogue as JSON
+    /// Print as JSON
     #[arg(long)]
     json: bool,
     /// No progress bar

@@ -27,7 +27,7 @@ const SENSOR: &str = "hertzscope:sensor/";
 /// What the columns of a table are.
 #[derive(Debug, Args)]
 pub struct TableArguments {
-    /// What the columns of a table (.csv) are, counted from 1, where it does not tell, e.g. time=1:ms,CH1=2:V,p14=4:N
+    /// Columns of a table (.csv) whose header does not name them, counted from 1, e.g. time=1:ms,CH1=2:V,p14=4:N
     #[arg(long, value_name = "NAME=COLUMN:UNIT,...")]
     columns: Option<TableColumns>,
 }
@@ -55,10 +55,10 @@ impl TableArguments {
 /// Which shots and channels of a file are meant.
 #[derive(Debug, Args)]
 pub struct Selection {
-    /// Only this shot [default: all, or 1 where a single one is looked at]
+    /// Only this shot [default: all, or 1 where one is needed]
     #[arg(long, value_name = "N")]
     shot: Option<u32>,
-    /// Only this channel; may be given several times
+    /// Only this channel; may be repeated
     #[arg(long, value_name = "CH")]
     channel: Vec<String>,
 }
@@ -189,16 +189,16 @@ fn known_channels<'a>(
 /// The bench on which a file was taken.
 #[derive(Debug, Args)]
 pub struct BenchArguments {
-    /// The scene of the bench, one that ships or a .toml file: which sensor is at which channel, distances and calibrations
+    /// Scene that describes the bench (included, or a .toml file): which sensor is at which channel, distances, calibrations
     #[arg(long, value_name = "SCENE")]
     scene: Option<String>,
-    /// Which of the scene's sensors is at a channel, e.g. CH1=p2,CH2=p14 [default: the scene's wiring]
+    /// Sensor of the scene at a channel, e.g. CH1=p2,CH2=p14 [default: as in the scene]
     #[arg(long, value_name = "CH=NAME", value_delimiter = ',', value_parser = assignment)]
     map: Vec<Assignment>,
-    /// A channel's sensor, a name or a file such as `calibrate` writes
+    /// Calibration of the sensor at a channel, an included sensor or a file that `calibrate` wrote, e.g. CH1=sensor.toml
     #[arg(long, value_name = "CH=SENSOR", value_parser = wired)]
     sensor: Vec<SensorAssignment>,
-    /// Distance along the chain between two channels' sensors, e.g. CH1-CH2="47.2 mm +- 0.1 mm"; behind +- as everywhere the expanded uncertainty (95 %)
+    /// Distance along the chain between two channels' sensors, with its expanded uncertainty (95 %), e.g. CH1-CH2="47.2 mm +- 0.1 mm"
     #[arg(long, value_name = "CH-CH=D", value_parser = distance)]
     distance: Vec<RecordedDistance>,
 }

@@ -7,7 +7,7 @@ use serde_json::json;
 use crate::data;
 use crate::report::text::hanging_indent;
 
-/// List what ships with the program and can be named in a scene, or print one file as a start for your own
+/// List included materials, sensors, strikers, magnets, scopes or scenes, or print one as a template
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// Kind

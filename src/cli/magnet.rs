@@ -13,16 +13,16 @@ use crate::scene::magnets;
 /// The paper's preload (N).
 const PAPER_PRELOAD: f64 = 2.38;
 
-/// Show a magnet's force over distance, and find the distance for a force
+/// Show a magnet's force over distance, and the distance for a force
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A magnet that ships with the program, or the path of a magnet's file
+    /// An included magnet, or the path of a magnet's file
     #[arg(default_value = "ring-15-6-6")]
     name: String,
-    /// Find where the magnet pulls this hard, e.g. 2.38N [default: the paper's 2.38 N]
+    /// Force whose distance is wanted, e.g. 2.38N [default: the paper's 2.38 N]
     #[arg(long, value_name = "F", value_parser = force)]
     preload: Option<f64>,
-    /// Show what it does with the sphere's centre this far outside its face, e.g. 0.4mm
+    /// Distance of the sphere's centre from the magnet's face whose force is wanted, e.g. 0.4mm
     #[arg(long, value_name = "D", value_parser = distance, conflicts_with = "preload", allow_hyphen_values = true)]
     distance: Option<f64>,
     /// Temperature of the magnet, e.g. 40°C [default: the one its remanence is stated at]
@@ -69,7 +69,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         bail!("found a distance of {distance} m, expected one within the table, {near} to {far} m");
     }
     let page = MagnetPage { magnet, temperature, wanted, places };
-    arguments.plot.save(|| report::chart(&page.curve(), &page.magnet.name, ("m", "N")))?;
+    arguments.plot.save(|| report::chart(&page.curve(), &page.magnet.name))?;
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&as_json(&page))?)
     } else {

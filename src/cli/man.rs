@@ -8,7 +8,7 @@ use clap_mangen::Man;
 
 use crate::files::NewFolder;
 
-/// Print the manual page, or write one a command into a folder
+/// Print the manual page, or write one for each command into a folder
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// Folder for hertzscope.1, hertzscope-run.1, ...

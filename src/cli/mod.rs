@@ -60,7 +60,7 @@ const EXIT_ANSWER_NO: u8 = 1;
 /// Exit code of what could not be done; clap uses the same for wrong options.
 const EXIT_FAILURE: u8 = 2;
 
-/// Digital twin of a granular-chain lab bench: beads with Hertz contacts, piezo sensors, a virtual Tektronix TDS 2014.
+/// Digital twin of a granular-chain lab bench: simulates the chain, its sensors and the oscilloscope, and analyses measured traces.
 #[derive(Debug, Parser)]
 #[command(name = "hertzscope", version, max_term_width = 100, disable_help_subcommand = true)]
 pub struct Arguments {

@@ -16,13 +16,13 @@ use crate::studies::paper::{FIGURES, FigureRun, PaperStudy, study};
 
 const TITLE: &str = "Herbold et al. (2009), computed again";
 
-/// Compute the figures and numbers of Herbold et al. (2009) again: what is printed, what comes out, and a verdict on each
+/// Recompute the figures and numbers of Herbold et al. (2009) and compare each with what is printed
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// Write figures (SVG, PNG), their data (CSV), recordings (MCAP), and a report (Markdown, HTML) into this folder
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// One figure only, with the statements that belong to it
+    /// Only this figure, with the statements that belong to it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(i64::from(*FIGURES.start())..=i64::from(*FIGURES.end())))]
     figure: Option<u8>,
     /// Print the verdicts as JSON

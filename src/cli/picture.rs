@@ -14,7 +14,7 @@ pub const PICTURE_ENDINGS: &str = "FILE.svg|FILE.png";
 /// A picture that is drawn beside the answer.
 #[derive(Debug, Args)]
 pub struct PlotArguments {
-    /// Draw into this file as well
+    /// Also draw into this file
     #[arg(long, value_name = PICTURE_ENDINGS, value_parser = file)]
     plot: Option<PathBuf>,
     #[command(flatten)]

@@ -28,37 +28,39 @@ use crate::studies::uncertainty::UncertainPrediction;
 /// Most shots of a run.
 const MAX_SHOTS: i64 = 100_000;
 
-/// Simulate a scene: write the recording its oscilloscope makes, print what happened
+/// Simulate a scene: write what its oscilloscope records, print forces, times and speeds
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A scene that ships with the program (see `hertzscope scenes`), or the path of a scene file
+    /// An included scene (`hertzscope scenes` lists them), or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
-    /// Recording to write, replacing what is there; without it SCENE.mcap, numbered if that exists
+    /// Recording to write, replacing what is there [default: SCENE.mcap; if it exists, SCENE-2.mcap and so on]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Relative error allowed in first-peak forces and times, e.g. 1e-6, or auto for what the scene's scope calls for [default: the scene's, else auto]
+    /// Relative error allowed in first-peak forces and times, 1e-11 to 0.1, or auto: what the scope can resolve [default: the scene's, else
+    /// auto]
     #[arg(long, value_name = "X", value_parser = AccuracyArguments::parse, allow_hyphen_values = true, conflicts_with_all = ["method", "step", "tolerance"])]
     accuracy: Option<AccuracyArguments>,
-    /// Integration method to use with a step or a tolerance of your own
+    /// Integration method, with --step or --tolerance, instead of --accuracy
     #[arg(long, value_enum)]
     method: Option<ByHand>,
-    /// Its step, e.g. 50ns
+    /// Step of --method, e.g. 50ns
     #[arg(long, value_name = "T", value_parser = step, allow_hyphen_values = true, requires = "method", conflicts_with = "tolerance")]
     step: Option<f64>,
-    /// The error that it tolerates in a step, relative to the largest overlap change and speed, e.g. 1e-8
+    /// Error that --method may make in a step, relative to the largest change of overlap and the largest speed, e.g. 1e-8
     #[arg(long, value_name = "X", value_parser = tolerance, allow_hyphen_values = true, requires = "method")]
     tolerance: Option<f64>,
-    /// Seed of noise and sample clock [default: the scene's]
+    /// Random seed of noise and sampling phase [default: the scene's]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Strike so many times, noise and striker drawn anew: all shots go into the one recording
+    /// Number of impacts, each with its own noise and striker speed, in one recording
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=MAX_SHOTS), conflicts_with = "bands")]
     shots: u32,
-    /// Also predict with the scene's `[uncertainty]`: intervals of peaks, arrivals and speeds; with --json bands of the traces, too
+    /// Also propagate the uncertainties in the scene's `[uncertainty]`: 95 % intervals of peaks, arrivals and speeds; with --json also of
+    /// the traces
     #[arg(long)]
     bands: bool,
-    /// With --bands: draw each channel's 95 % band into FILE-CH1.svg, ...
+    /// With --bands: draw the 95 % band of each channel into FILE-CH1.svg, ...
     #[arg(long, value_name = picture::PICTURE_ENDINGS, value_parser = picture::file, requires = "bands")]
     plot: Option<PathBuf>,
     #[command(flatten)]
@@ -68,7 +70,7 @@ pub struct Arguments {
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
-    /// Print nothing but errors and, on standard error, the name of the recording; with --json, the summary is still printed
+    /// Print no summary (unless --json asks for it), only errors and the name of the recording, on standard error
     #[arg(short, long)]
     quiet: bool,
 }

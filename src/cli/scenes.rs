@@ -6,7 +6,7 @@ use serde_json::json;
 use crate::data;
 use crate::scene::{Scene, SceneError};
 
-/// List the scenes that ship with the program, or print one as a start for your own
+/// List the included scenes, or print one as a template
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// Print this scene's file

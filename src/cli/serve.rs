@@ -18,40 +18,40 @@ use crate::recording::mcap::RecordingWriter;
 use crate::scene::Scene;
 use crate::server::{self, ServerOptions, Sockets};
 
-/// Let lab programs talk to the scope over a raw TCP socket or HiSLIP, as to an instrument on the network
+/// Serve the simulated scope to lab programs over the network: a raw TCP socket or HiSLIP
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A scene that ships with the program (see `hertzscope scenes`), or the path of a scene file
+    /// An included scene (`hertzscope scenes` lists them), or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
-    /// Address and port to listen on; port 0 takes any that is free
+    /// Address and port to listen on; port 0: any that is free
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1:5025")]
     listen: String,
-    /// Speak HiSLIP, too, on this port of the same address, usually 4880; 0 takes any that is free
+    /// Also listen for HiSLIP on this port of the same address, usually 4880; 0: any that is free
     #[arg(long, value_name = "PORT")]
     hislip: Option<u16>,
-    /// Strike the chain this often, e.g. 2s [default: when a client says BENCh:IMPact]
+    /// Strike the chain at this interval, e.g. 2s [default: only when a client sends BENCh:IMPact]
     #[arg(long, value_name = "T", value_parser = period)]
     impact_every: Option<Duration>,
-    /// Strike the chain at every line on standard input: Enter, in the terminal where this runs
+    /// Strike the chain at each line on standard input: press Enter in this terminal
     #[arg(long)]
     impact_on_enter: bool,
-    /// Write every command, every reply and every triggered record to this recording (.mcap), numbered if that exists
+    /// Write every command, reply and triggered waveform to this recording (.mcap); if it exists, a number is appended
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
-    /// Seed of noise, sample clock and the striker's spread [default: the scene's]
+    /// Random seed of noise, sampling phase and striker speed [default: the scene's]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Whether answers begin with headers until a client says HEADER
+    /// Whether replies begin with the command's header, until a client sends HEADer
     #[arg(long, value_enum, default_value_t = Switch::Off)]
     header: Switch,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Switch {
-    /// As the original on RS-232
+    /// As the instrument after power-up
     On,
-    /// As most programs expect
+    /// As most programs expect it
     Off,
 }
 

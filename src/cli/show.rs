@@ -4,10 +4,10 @@ use clap::Args;
 
 use crate::scene::resolved::resolved;
 
-/// Print a scene with everything it stands on and every default, as a scene that gives the same run
+/// Print a scene with everything it is based on and every default, as a scene that gives the same run
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A scene that ships with the program, or the path of a scene file
+    /// An included scene, or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
 }

@@ -49,13 +49,13 @@ pub struct SignalArguments {
     file: PathBuf,
     #[command(flatten)]
     reading: ReadingArguments,
-    /// A simulated signal, less its static part: a sensor's name, contact/3, bead/7
+    /// A simulated signal without its static part: a sensor's name, contact/3, bead/7
     #[arg(long, value_name = "NAME", conflicts_with = "channel")]
     truth: Option<String>,
-    /// First time to take, e.g. 200us: after the trigger, or with --truth after the striker's first contact
+    /// Start, e.g. 200us: after the trigger, or with --truth after the striker's first contact
     #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
     from: Option<f64>,
-    /// First time to leave out
+    /// End
     #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
     to: Option<f64>,
 }

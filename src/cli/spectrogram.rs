@@ -19,18 +19,18 @@ const SHOWN_SHARE: f64 = 0.25;
 /// With band edges it ends at this multiple of the highest (1).
 const BAND_MARGIN: f64 = 1.5;
 
-/// Show how a signal's frequencies change with time: spectra of short pieces, one after the other
+/// Show how a signal's spectrum changes with time: spectra of short segments, one after the other
 #[derive(Debug, Args)]
 pub struct Arguments {
     #[command(flatten)]
     signal: SignalArguments,
-    /// Length of a piece, e.g. 200us: frequencies closer than one over it are one [default: a sixteenth of the record]
+    /// Length of a segment, e.g. 200us: it resolves frequencies 1/length apart [default: a sixteenth of the record]
     #[arg(long, value_name = "T", value_parser = time)]
     segment: Option<f64>,
-    /// From one piece to the next [default: an eighth of a piece]
+    /// Time from one segment to the next [default: an eighth of a segment]
     #[arg(long, value_name = "T", value_parser = time)]
     hop: Option<f64>,
-    /// The window function of each piece
+    /// The window function of each segment
     #[arg(long, value_enum, default_value_t = WindowChoice::Hann)]
     window: WindowChoice,
     /// Print as JSON, the whole map included

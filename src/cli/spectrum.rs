@@ -20,12 +20,12 @@ const SMALL_SIGNAL_NOTE: &str =
 /// At most this many maxima are listed.
 const MAX_LISTED: usize = 12;
 
-/// Show which frequencies a signal holds: its main peaks, and where the chain's band gap lies
+/// Show the spectrum of a signal: its main peaks, and where the chain's band gap lies
 #[derive(Debug, Args)]
 pub struct Arguments {
     #[command(flatten)]
     signal: SignalArguments,
-    /// The ordinate
+    /// Amplitude to show
     #[arg(long, value_enum, default_value_t = ConventionChoice::Paper)]
     convention: ConventionChoice,
     /// The window function
@@ -40,7 +40,7 @@ pub struct Arguments {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum ConventionChoice {
-    /// |X|/M with N/M = 5, Eq. (11) of the paper
+    /// |X|/M, M samples padded to 5 M with zeros: Herbold et al. (2009), Eq. (11)
     Paper,
     /// One-sided amplitude spectral density, per root hertz
     Density,
@@ -66,9 +66,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     notes.extend(arguments.signal.clipped(&set));
     let title = arguments.signal.title(&trace);
     let page = SpectrumPage { title, spectrum, peaks, chain, offset, notes };
-    arguments
-        .plot
-        .save(|| report::chart(&page.curve(), &page.title, ("Hz", &page.spectrum.unit)))?;
+    arguments.plot.save(|| report::chart(&page.curve(), &page.title))?;
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&as_json(&page))?)
     } else {

@@ -26,35 +26,35 @@ use crate::sweep::summary::SweepSummary;
 use crate::sweep::table;
 use crate::sweep::work::{SweepOptions, work};
 
-/// Run a scene thousands of times with other values: grids, random and Latin-hypercube designs, resumed where they were left
+/// Run a scene with thousands of parameter values: grid, random or Latin hypercube; an interrupted sweep resumes
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// The sweep: a TOML file with the scene and the values to run it with
+    /// The sweep (TOML): a scene and the values to run it with
     grid: PathBuf,
     /// Table to write when all runs are finished, .csv, .jsonl or .parquet; may be repeated [default: GRID.csv]
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
     #[command(flatten)]
     overwrite: OverwriteArguments,
-    /// Folder of the logs, which keep every finished run [default: GRID.sweep]
+    /// Folder of the logs of finished runs [default: GRID.sweep]
     #[arg(long, value_name = "DIR")]
     folder: Option<PathBuf>,
-    /// Do one part of N only, e.g. 3/7; `hertzscope gather` joins them [default: that of a Slurm array's task, else all]
+    /// Run only part K of N, 1/N to N/N; `hertzscope gather` joins them [default: from a Slurm array's task, else all]
     #[arg(long, value_name = "K/N")]
     shard: Option<String>,
-    /// Threads [default: one for each processor]
+    /// Number of threads [default: one for each processor]
     #[arg(long, value_name = "N")]
     threads: Option<NonZero<usize>>,
     /// Relative error allowed in first-peak forces and times, e.g. 1e-3 [default: the sweep's, else each scene's]
     #[arg(long, value_name = "X", value_parser = accuracy)]
     accuracy: Option<f64>,
-    /// Instructions to run with, so that machines of different kinds give the same bytes: AVX-512, AVX2 or baseline [default: the best]
+    /// Instruction set, avx512, avx2 or portable: with one for all, different machines give identical results [default: the best]
     #[arg(long, value_name = "SET")]
     instructions: Option<String>,
     /// Print what was done as JSON
     #[arg(long)]
     json: bool,
-    /// Print nothing but errors
+    /// Print only errors
     #[arg(short, long)]
     quiet: bool,
 }

@@ -15,7 +15,7 @@ use crate::analysis::transfer::{TransferSettings, transfer};
 use crate::report::transfer::{TransferPage, decibels};
 use crate::scope::Waveform;
 
-/// Show how the signal at one sensor follows that at another: transfer function and coherence over frequency, averaged over shots, with the band gap
+/// Show the transfer function and coherence between two sensors, averaged over shots, with the band gap
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// Recordings (.mcap), a scope's files (.csv, .isf), or folders of them: all their shots count
@@ -29,13 +29,13 @@ pub struct Arguments {
     /// Cut each shot's record into this many segments
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     segments: u32,
-    /// Window of each segment: rectangular for pulses that end within it
+    /// The window function of each segment
     #[arg(long, value_enum, default_value_t = WindowChoice::Rectangular)]
     window: WindowChoice,
-    /// First time to take, e.g. -200us: after the trigger, or of simulated signals after the striker's first contact
+    /// Start, e.g. -200us: after the trigger, or for simulated signals after the striker's first contact
     #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
     from: Option<f64>,
-    /// First time to leave out
+    /// End
     #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
     to: Option<f64>,
     /// Print as JSON, all bins included

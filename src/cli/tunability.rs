@@ -18,19 +18,19 @@ use crate::studies::tunability::{TunedPoint, Tuning, TuningParameter, tune};
 /// Bands of frequency that JSON tells of, each 500 Hz wide.
 const BANDS: usize = 40;
 
-/// Map what a chain lets pass, and how fast, over its preload, masses, modulus and striker
+/// Map pass bands and pulse speed over a chain's preload, masses, modulus and striker
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A scene that ships with the program, or the path of a scene file
+    /// An included scene, or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
     /// Parameter to tune [default: all that the scene has]
     #[arg(long, value_name = "KNOB", value_delimiter = ',', value_parser = PossibleValuesParser::new(TuningParameter::ALL.map(TuningParameter::name)))]
     knob: Vec<String>,
-    /// Values of each knob
+    /// Number of values of each parameter
     #[arg(long, value_name = "N", default_value_t = 33, value_parser = clap::value_parser!(u32).range(2..=1000))]
     points: u32,
-    /// Turn each knob from its value divided by this to this times it
+    /// Vary each parameter from its value divided by this to its value times this
     #[arg(long, value_name = "RATIO", default_value = "10", value_parser = span)]
     span: f64,
     /// Print as JSON

@@ -19,18 +19,18 @@ const FILE_POLL_INTERVAL: Duration = Duration::from_millis(100);
 /// Bytes at the beginning of every recording.
 const MCAP_MAGIC_LENGTH: u64 = 8;
 
-/// Look at a recording on the scope's screen in the terminal, play with the bench of a scene, or watch a served scope
+/// Look at a recording on the scope's screen in the terminal, operate a simulated bench, or watch a served scope
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them; a scene, one that ships or a .toml file; or where
-    /// `hertzscope serve` listens, HOST:PORT or tcp://HOST:PORT
+    /// A recording (.mcap), a scope's file (.csv, .isf) or a folder of them; an included scene or a .toml file; or the address of a served
+    /// scope, HOST:PORT
     what: String,
-    /// Show each new shot of a recording that is still being written, or not yet begun; a step back ends it, End goes on
+    /// Show each new shot of a recording that is still being written, or not yet begun; stepping back ends it, the key End goes on
     #[arg(long)]
     follow: bool,
     #[command(flatten)]
     reading: ReadingArguments,
-    /// Hold what is shown against this recording, folder or scene
+    /// Compare with this recording, folder or scene
     #[arg(long, value_name = "WHAT")]
     against: Option<String>,
 }

@@ -73,7 +73,7 @@ pub fn of_scope(scene: &Scene) -> Result<ChosenAccuracy, RunError> {
 /// [`RunError`] where the chain cannot be followed.
 pub fn of_scene(scene: &Scene) -> Result<ChosenAccuracy, RunError> {
     match scene.accuracy {
-        Some(value) => Ok(ChosenAccuracy { value, reason: "the scene's".to_owned() }),
+        Some(value) => Ok(ChosenAccuracy { value, reason: "from the scene".to_owned() }),
         None => of_scope(scene),
     }
 }

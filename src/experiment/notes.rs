@@ -180,7 +180,7 @@ fn yielding(chain: &Chain, film: &Frames) -> Option<Note> {
     let (upper, lower) = chain.beside(j);
     let exceed = if count == 1 { "contact exceeds" } else { "contacts exceed" };
     let sentence = format!(
-        "{count} {exceed} the yield load of the softer body ({} between {upper} and {lower}; yields at {}): real peaks will be lower",
+        "{count} {exceed} the force at which the softer body yields ({} between {upper} and {lower}, yields at {}): plastic deformation is not simulated, real peaks will be lower",
         engineering(force, "N", 3),
         engineering(limit, "N", 2)
     );

@@ -172,7 +172,7 @@ fn number_length(text: &str) -> usize {
 /// ```
 /// use hertzscope::quantity::engineering;
 /// assert_eq!(engineering(5.529e-5, "s", 4), "55.29 µs");
-/// assert_eq!(engineering(0.0, "N", 3), "0.00 N");
+/// assert_eq!(engineering(0.0, "N", 3), "0 N");
 /// ```
 pub fn engineering(value: f64, unit: &str, digits: usize) -> String {
     const PREFIXES: [(&str, i32); 11] = [
@@ -190,8 +190,7 @@ pub fn engineering(value: f64, unit: &str, digits: usize) -> String {
     ];
     let digits = digits.max(1);
     if value == 0.0 || !value.is_finite() {
-        let number =
-            if value == 0.0 { format!("{:.*}", digits - 1, 0.0) } else { value.to_string() };
+        let number = if value == 0.0 { "0".to_owned() } else { value.to_string() };
         return join(&number, "", unit);
     }
     // Round first: 999.96 to four digits is 1.000 k, not 1000.

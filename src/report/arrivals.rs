@@ -11,8 +11,17 @@ pub fn arrivals(survey: &Survey) -> String {
         "shot {}: times after the trigger, ± is the expanded uncertainty (95 %)",
         survey.shot
     )];
-    let heading =
-        ["", "sensor", "height", "width", "pulses", "half-rise", "peak", "10 %", "max. slope"];
+    let heading = [
+        "",
+        "sensor",
+        "first peak",
+        "width",
+        "pulses",
+        "half-rise",
+        "peak at",
+        "10 %",
+        "max. slope",
+    ];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     rows.extend(survey.channels.iter().map(row));
     lines.extend(table::lines(&rows, &[0, 1]));
@@ -40,7 +49,7 @@ pub fn arrivals(survey: &Survey) -> String {
         if channel.clipped > 0 {
             let clipped = channel.clipped;
             lines.push(format!(
-                "  note  {name}: {clipped} samples may be clipped, heights and peaks with them"
+                "  note  {name}: {clipped} samples may be clipped, first peaks with them"
             ));
         }
     }

@@ -1,9 +1,9 @@
 //! A calibration's certificate, contents as in ISO/IEC 17025, 7.8, and pictures of its impacts.
 
 use super::calibration::{budget_rows, exclusions, impact_rows, or_not_stated, results};
-use super::chart::chart_over;
+use super::chart::{Under, chart, chart_over};
 use super::document::{Part, html, markdown};
-use super::plot::Curve;
+use super::plot::{Curve, Label};
 use crate::analysis::calibration::{Calibration, ImpactResult};
 use crate::measurement::calibration::CalibrationReport;
 use crate::measurement::calibration::words::ImpactReport;
@@ -124,10 +124,10 @@ pub fn pictures(found: &Calibration, report: &CalibrationReport) -> Vec<(String,
             let empty = Curve {
                 points: vec![],
                 marks: vec![],
-                x_label: String::new(),
-                y_label: "not readable".to_owned(),
+                x: Label::new("", ""),
+                y: Label::new("not readable", ""),
             };
-            return (name, chart_over(&empty, &[], &title, ("s", "N")));
+            return (name, chart(&empty, &title));
         };
         let points = |trace: &crate::trace::Trace| -> Vec<(f64, f64)> {
             let values = trace.values.iter().enumerate();
@@ -137,10 +137,11 @@ pub fn pictures(found: &Calibration, report: &CalibrationReport) -> Vec<(String,
         let curve = Curve {
             points: points(&impact.restored),
             marks: vec![(from, "from".to_owned()), (to, "to".to_owned())],
-            x_label: "time after the trigger".to_owned(),
-            y_label: "force (N); grey: the voltage over S".to_owned(),
+            x: Label::new("time after the trigger", "s"),
+            y: Label::new("force", "N"),
         };
-        (name, chart_over(&curve, &[points(&impact.signal)], &title, ("s", "N")))
+        let under = Under::new("voltage over S", vec![points(&impact.signal)]);
+        (name, chart_over(&curve, &[under], &title))
     };
     found.impacts.iter().zip(&report.impacts).map(picture).collect()
 }

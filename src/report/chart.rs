@@ -1,7 +1,7 @@
 //! Curves as an SVG picture: a sheet with one plot.
 
-use super::plot::{Curve, PointSet};
-use super::sheet::{Axis, Plot, Polyline, Sheet, Stroke, sheet_svg, ticks};
+use super::plot::{Curve, Label, PointSet};
+use super::sheet::{Axis, Plot, Polyline, Sheet, Stroke, sheet_svg};
 use crate::quantity::engineering;
 
 /// Points of a line in order (unit).
@@ -13,33 +13,61 @@ pub(super) const SIZE: (f64, f64) = (780.0, 356.0);
 const NAME_HEIGHT: f64 = 16.0 / SIZE.1;
 /// Distance of a mark's name from its line, as a share of the frame's width (1).
 const NAME_DISTANCE: f64 = 4.0 / SIZE.0;
+/// Room above and below a curve, as a share of its height (1).
+const PADDING: f64 = 0.04;
+/// Units that take no prefix.
+const WITHOUT_PREFIX: [&str; 3] = ["", "dB", "rad"];
 const CURVE_COLOUR: &str = "#1060b0";
 const BACKGROUND_COLOUR: &str = "#909090";
 const MARK_COLOUR: &str = "#c04020";
 
-/// The picture of `curve`, titled `title`, with the units of `x` and `y`.
-pub fn chart(curve: &Curve, title: &str, units: (&str, &str)) -> String {
-    chart_over(curve, &[], title, units)
+/// What lies under a curve, in grey: a line, or the area between two.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Under {
+    name: String,
+    edges: Vec<PlotLine>,
 }
 
-/// The same with the lines `under` below it, each with its points in order.
-pub fn chart_over(curve: &Curve, under: &[PlotLine], title: &str, units: (&str, &str)) -> String {
-    picture(title, plot_over(curve, under, units))
+impl Under {
+    /// The line, or the area between both lines, called `name` in the legend.
+    pub fn new(name: &str, edges: Vec<PlotLine>) -> Self {
+        Self { name: name.to_owned(), edges }
+    }
 }
 
-/// The picture of several curves, each in a plot of its own with the lines under it.
-pub fn charts_over(panels: &[(Curve, Vec<PlotLine>)], title: &str, units: (&str, &str)) -> String {
-    let panels = panels.iter().map(|(curve, under)| plot_over(curve, under, units)).collect();
+/// The picture of `curve`, titled `title`.
+pub fn chart(curve: &Curve, title: &str) -> String {
+    chart_over(curve, &[], title)
+}
+
+/// The same with lines and areas under it.
+pub fn chart_over(curve: &Curve, under: &[Under], title: &str) -> String {
+    picture(title, plot_over(curve, under))
+}
+
+/// The picture of several curves, each in a plot of its own with what is under it.
+pub fn charts_over(panels: &[(Curve, Vec<Under>)], title: &str) -> String {
+    let panels = panels.iter().map(|(curve, under)| plot_over(curve, under)).collect();
     let (legend, note) = (Vec::new(), String::new());
     sheet_svg(&Sheet { title: title.to_owned(), columns: 1, size: SIZE, panels, legend, note })
 }
 
-fn plot_over(curve: &Curve, under: &[PlotLine], units: (&str, &str)) -> Plot {
-    let points = [curve.points.clone(), under.concat()].concat();
-    let all = Curve { points, ..curve.clone() };
+fn plot_over(curve: &Curve, under: &[Under]) -> Plot {
+    let below = || under.iter().flat_map(|under| &under.edges).flatten().copied();
+    let all =
+        Curve { points: curve.points.iter().copied().chain(below()).collect(), ..curve.clone() };
     let ((x0, x1), (y0, y1)) = all.bounds();
-    let x = axis(&curve.x_label, (x0, x1), units.0);
-    let mut plot = Plot::new(&curve.y_label, x, axis("", (y0, y1), units.1));
+    let padding = PADDING * (y1 - y0);
+    let (y0, y1) = (if y0 < 0.0 { y0 - padding } else { y0 }, y1 + padding);
+    let mut plot = Plot::new("", axis(&curve.x, (x0, x1)), axis(&curve.y, (y0, y1)));
+    for Under { name, edges } in under {
+        let (points, stroke) = match edges.as_slice() {
+            [low, high] => (low.iter().chain(high.iter().rev()).copied().collect(), Stroke::Filled),
+            lines => (lines.concat(), Stroke::Solid),
+        };
+        plot.lines
+            .push(Polyline { name: name.clone(), ..line(&points, BACKGROUND_COLOUR, stroke) });
+    }
     let inside = curve.marks.iter().filter(|(place, _)| (x0..=x1).contains(place));
     for ((place, name), number) in inside.zip(1_u32..) {
         plot.lines.push(line(&[(*place, y0), (*place, y1)], MARK_COLOUR, Stroke::Dashed));
@@ -47,26 +75,23 @@ fn plot_over(curve: &Curve, under: &[PlotLine], units: (&str, &str)) -> Plot {
         let height = y1 - f64::from(number) * NAME_HEIGHT * (y1 - y0);
         plot.words.push((place + NAME_DISTANCE * (x1 - x0), height, name.clone()));
     }
-    let below = under.iter().map(|points| (points, BACKGROUND_COLOUR));
-    for (points, colour) in below.chain([(&curve.points, CURVE_COLOUR)]) {
-        if !points.is_empty() {
-            plot.lines.push(line(points, colour, Stroke::Solid));
-        }
+    if !curve.points.is_empty() {
+        plot.lines.push(line(&curve.points, CURVE_COLOUR, Stroke::Solid));
     }
     plot
 }
 
-/// The picture of several curves with points on them, its axes labelled, from zero in both directions.
+/// The picture of several curves with points on them, from zero in both directions.
 pub fn chart_with_points(
     curves: &[Vec<(f64, f64)>],
     clouds: &[PointSet<'_>],
-    (title, labels): (&str, (&str, &str)),
-    units: (&str, &str),
+    title: &str,
+    labels: &[Label; 2],
 ) -> String {
     let points = curves.iter().chain(clouds.iter().map(|cloud| &cloud.points)).flatten();
     let (x1, y1) = points.fold((0.0, 0.0), |(x, y): (f64, f64), p| (x.max(p.0), y.max(p.1)));
-    let x = axis(labels.0, (0.0, x1), units.0);
-    let mut plot = Plot::new(labels.1, x, axis("", (0.0, y1), units.1));
+    let y1 = (1.0 + PADDING) * y1;
+    let mut plot = Plot::new("", axis(&labels[0], (0.0, x1)), axis(&labels[1], (0.0, y1)));
     plot.lines.extend(curves.iter().map(|curve| line(curve, CURVE_COLOUR, Stroke::Solid)));
     plot.lines.extend(clouds.iter().map(|cloud| Polyline {
         name: cloud.name.to_owned(),
@@ -75,11 +100,25 @@ pub fn chart_with_points(
     picture(title, plot)
 }
 
-/// An axis with round numbers in engineering notation.
-fn axis(label: &str, (from, to): (f64, f64), unit: &str) -> Axis {
-    let name = |tick| (tick, engineering(tick, unit, 3));
-    let ticks = ticks(from, to).into_iter().map(name).collect();
-    Axis { label: label.to_owned(), from, to, logarithmic: false, ticks }
+/// An axis with round numbers in one unit, whose prefix fits the larger end.
+pub(super) fn axis(label: &Label, (from, to): (f64, f64)) -> Axis {
+    let (scale, unit) = prefixed(from.abs().max(to.abs()), &label.unit);
+    let words =
+        if unit.is_empty() { label.name.clone() } else { format!("{} ({unit})", label.name) };
+    let shown = Axis::linear(&words, from / scale, to / scale);
+    let ticks = shown.ticks.into_iter().map(|(place, name)| (place * scale, name)).collect();
+    Axis { from, to, ticks, ..shown }
+}
+
+/// The unit with an SI prefix, such that `size` has one to three digits before the point, and what it stands for (unit).
+fn prefixed(size: f64, unit: &str) -> (f64, String) {
+    let group = 3 * (size.log10() / 3.0).floor().clamp(-4.0, 4.0) as i32;
+    if WITHOUT_PREFIX.contains(&unit) || size == 0.0 {
+        return (1.0, unit.to_owned());
+    }
+    let scale = 10f64.powi(group);
+    let one = engineering(scale, unit, 1);
+    (scale, one.trim_start_matches("1 ").to_owned())
 }
 
 fn line(points: &[(f64, f64)], colour: &'static str, stroke: Stroke) -> Polyline {

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use super::chart::{Under, chart, chart_over};
 use super::document::Part;
-use super::plot::Curve;
-use super::{chart, chart_over, table};
+use super::plot::{Curve, Label};
+use super::table;
 use crate::measurement::compare::mapping::ASSUMED;
 use crate::measurement::compare::{ChannelScore, Compared, Comparison};
 use crate::quantity::coverage::NORMAL_95;
@@ -146,13 +147,13 @@ pub fn comparison(comparison: &Comparison) -> String {
     lines.join("\n")
 }
 
-fn curve(trace: &Trace, y_label: &str) -> Curve {
+fn curve(trace: &Trace, name: &str) -> Curve {
     let points = trace.values.iter().enumerate().map(|(i, v)| (trace.time(i), *v)).collect();
     Curve {
         points,
         marks: Vec::new(),
-        x_label: "time after the trigger".to_owned(),
-        y_label: y_label.to_owned(),
+        x: Label::new("time after the trigger", "s"),
+        y: Label::new(name, "V"),
     }
 }
 
@@ -176,10 +177,11 @@ pub fn comparison_parts(compared: &Compared, stem: &str) -> Vec<Part> {
     for (score, pair) in comparison.channels.iter().zip(&compared.pairs) {
         let name = &score.name;
         let under: Vec<(f64, f64)> = curve(&pair.simulated, "").points;
-        let title = format!("{name}: measured (blue) over simulated (grey)");
-        let both = chart_over(&curve(&pair.measured, "volts"), &[under], &title, ("s", "V"));
+        let title = format!("{name}: measured and simulated");
+        let under = Under::new("simulated", vec![under]);
+        let both = chart_over(&curve(&pair.measured, "voltage"), &[under], &title);
         let residual = curve(&pair.residual(), "measured less simulated");
-        let apart = chart(&residual, &format!("{name}: difference"), ("s", "V"));
+        let apart = chart(&residual, &format!("{name}: difference"));
         parts.push(Part::Heading(2, name.clone()));
         parts.push(Part::Picture(format!("{stem}-{name}.svg"), title, both));
         let shown = format!("{name}: measured less simulated");

@@ -1,9 +1,16 @@
 //! Contents of a recording, as a page of text.
 
 use super::table;
+use super::text::hanging_indent;
 use crate::quantity::engineering;
 use crate::recording::mcap::indexed_recording::Traffic;
 use crate::recording::{Capture, Origin, Shot, TraceSet};
+
+/// A number with more characters than this is rounded where people read it.
+const MAX_NUMBER_WIDTH: usize = 8;
+
+/// Values stand in a column beside keys of at most this width (characters).
+const MAX_KEY_WIDTH: usize = 40;
 
 /// The page that `info` prints.
 pub fn contents(set: &TraceSet) -> String {
@@ -21,12 +28,34 @@ pub fn contents_before(set: &TraceSet) -> String {
     let mut lines = Vec::new();
     for (group, facts) in &set.metadata {
         lines.push(group.clone());
-        let rows: Vec<Vec<String>> =
-            facts.iter().map(|(key, value)| vec![key.clone(), value.clone()]).collect();
-        lines.extend(table::lines(&rows, &[0, 1]));
+        let is_short = |key: &&String| key.chars().count() <= MAX_KEY_WIDTH;
+        let widest =
+            facts.keys().filter(is_short).map(|key| key.chars().count()).max().unwrap_or(0);
+        for (key, value) in facts {
+            if is_short(&key) {
+                lines.extend(hanging_indent(&format!("  {key:widest$}  "), &shown(value)));
+            } else {
+                lines.push(format!("  {key}  {value}"));
+            }
+        }
         lines.push(String::new());
     }
     lines.join("\n")
+}
+
+/// A value as people read it: numbers to six digits, a set-up with a space where a line may break.
+fn shown(value: &str) -> String {
+    match value.parse::<f64>() {
+        Ok(number) if value.contains('.') && value.len() > MAX_NUMBER_WIDTH => {
+            let rounded: f64 = format!("{number:.5e}").parse().unwrap_or(number);
+            if (1e-4..1e6).contains(&rounded.abs()) {
+                rounded.to_string()
+            } else {
+                format!("{rounded:e}")
+            }
+        }
+        _ => value.replace(";:", "; :"),
+    }
 }
 
 /// The page's part about a shot.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::plot::{Curve, PointSet, braille, scatter};
+use super::plot::{Curve, Label, PointSet, braille, scatter};
 use super::{chart, table};
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::wavenumber::{SpectralLine, SpectralLines};
@@ -56,13 +56,8 @@ impl DispersionPage {
 
     /// The picture.
     pub fn svg(&self) -> String {
-        let labels = ("phase a cell, k a (rad)", "frequency (Hz)");
-        chart::chart_with_points(
-            &self.branches(),
-            &self.clouds(),
-            (&self.title, labels),
-            ("rad", "Hz"),
-        )
+        let labels = [Label::new("phase per cell, k a", "rad"), Label::new("frequency", "Hz")];
+        chart::chart_with_points(&self.branches(), &self.clouds(), &self.title, &labels)
     }
 
     /// The page.
@@ -121,8 +116,8 @@ pub fn bands_curve(rows: &[(f64, DiatomicChain)], now: f64) -> Curve {
     Curve {
         points: rows.iter().map(|(force, chain)| (*force, chain.gap_bottom())).collect(),
         marks: vec![(now, "the scene's preload".to_owned())],
-        x_label: "preload".to_owned(),
-        y_label: "f1, the gap's lower edge (Hz); f2 and f3 are in proportion".to_owned(),
+        x: Label::new("preload", "N"),
+        y: Label::new("f1, the gap's lower edge; f2 and f3 are in proportion", "Hz"),
     }
 }
 

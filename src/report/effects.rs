@@ -8,7 +8,7 @@ use crate::studies::effects::{EffectState, Ledger, LedgerEntry};
 
 /// Explanation of the table.
 const TABLE_LEGEND: &str = "Changes are those of readings with the effect against readings without it, the largest of all places. \
-    Needed: without it readings differ by more than the accuracy (records by a tenth of a level or sample). Left out: with it they would. \
+    Needed: without it readings differ by more than the accuracy (records by a tenth of a level or sample). Matters: it is off, and with it they would. \
     No value: the scene gives none to try. * by auto. \
     --why gives the reasons.";
 /// Column at which reasons begin.

@@ -1,8 +1,9 @@
 //! A fit as a page of text and as a document with pictures; blind fits as a page.
 
+use super::chart::{Under, chart, chart_over};
 use super::document::Part;
-use super::plot::Curve;
-use super::{chart, chart_over, table};
+use super::plot::{Curve, Label};
+use super::table;
 use crate::fit::blind::BlindFits;
 use crate::fit::{ChannelResult, Fit, FitReport, Nuisance, Parameter};
 use crate::quantity::engineering;
@@ -152,23 +153,23 @@ pub fn fit_parts(fit: &Fit, stem: &str) -> Vec<Part> {
     let axis = fit.records.axis;
     for (record, shown) in fit.records.list.iter().zip(&fit.shown) {
         let name = &record.name;
-        let curve = |values: &mut dyn Iterator<Item = f64>, y_label: &str| Curve {
+        let curve = |values: &mut dyn Iterator<Item = f64>, name: &str| Curve {
             points: values
                 .enumerate()
                 .map(|(i, v)| (axis.start + i as f64 * axis.interval, v))
                 .collect(),
             marks: Vec::new(),
-            x_label: "time after the trigger".to_owned(),
-            y_label: y_label.to_owned(),
+            x: Label::new("time after the trigger", "s"),
+            y: Label::new(name, "V"),
         };
-        let measured = curve(&mut record.volts.iter().copied(), "volts");
+        let measured = curve(&mut record.volts.iter().copied(), "voltage");
         let under = curve(&mut shown.iter().copied(), "").points;
         let left = record.volts.iter().zip(shown).zip(&record.counts);
         let mut left = left.map(|((m, s), counts)| if *counts { m - s } else { 0.0 });
         let residual = curve(&mut left, "measured less fitted");
-        let title = format!("{name}: measured (blue) over fitted (grey)");
-        let both = chart_over(&measured, &[under], &title, ("s", "V"));
-        let apart = chart(&residual, &format!("{name}: residual"), ("s", "V"));
+        let title = format!("{name}: measured and fitted");
+        let both = chart_over(&measured, &[Under::new("fitted", vec![under])], &title);
+        let apart = chart(&residual, &format!("{name}: residual"));
         parts.push(Part::Heading(2, name.clone()));
         parts.push(Part::Picture(format!("{stem}-{name}.svg"), title, both));
         let what = format!("{name}: measured less fitted");

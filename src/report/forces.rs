@@ -1,7 +1,8 @@
 //! Forces by calibrated sensors as a page of text and as a curve.
 
-use super::plot::{Curve, braille};
-use super::{charts_over, table};
+use super::chart::{Under, charts_over};
+use super::plot::{Curve, Label, braille};
+use super::table;
 use crate::measurement::arrivals::sensitivities_unknown;
 use crate::measurement::force::Forces;
 use crate::quantity::coverage::NORMAL_95;
@@ -13,8 +14,8 @@ fn force_curve(forces: &Forces) -> Curve {
     Curve {
         points: values.map(|(i, force)| (forces.force.time(i), *force)).collect(),
         marks: Vec::new(),
-        x_label: "time after the trigger".to_owned(),
-        y_label: "force (N)".to_owned(),
+        x: Label::new("time after the trigger", "s"),
+        y: Label::new(&format!("force at {}", forces.force.name), "N"),
     }
 }
 
@@ -25,11 +26,10 @@ pub fn force_picture(found: &[Forces], title: &str) -> String {
         let edge = |sign: f64| {
             samples().map(move |(i, (force, u))| (forces.force.time(i), force + sign * u))
         };
-        let y_label = format!("{} (N); grey: 95 %", forces.force.name);
         let edges = [-1.0, 1.0].map(|sign| edge(sign).collect()).to_vec();
-        (Curve { y_label, ..force_curve(forces) }, edges)
+        (force_curve(forces), vec![Under::new("95 %", edges)])
     };
-    charts_over(&found.iter().map(panel).collect::<Vec<_>>(), title, ("s", "N"))
+    charts_over(&found.iter().map(panel).collect::<Vec<_>>(), title)
 }
 
 /// The page that `force` prints.

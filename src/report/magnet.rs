@@ -1,6 +1,6 @@
 //! A magnet's force over distance as a page of text and as a curve.
 
-use super::plot::{Curve, braille};
+use super::plot::{Curve, Label, braille};
 use super::table;
 use crate::magnet::{ForceLaw, Magnet};
 use crate::quantity::engineering;
@@ -71,8 +71,8 @@ impl MagnetPage {
         Curve {
             points: (0..=CURVE_POINTS).map(place).filter_map(point).collect(),
             marks: self.places.iter().map(mark).collect(),
-            x_label: "from the face to the sphere's centre".to_owned(),
-            y_label: "attraction (N)".to_owned(),
+            x: Label::new("from the face to the sphere's centre", "m"),
+            y: Label::new("attraction", "N"),
         }
     }
 
@@ -104,7 +104,7 @@ impl MagnetPage {
             ForceLaw::Ring(ring, sphere) => {
                 let millimetres = |metres: f64| engineering(metres, "m", 3);
                 format!(
-                    "ring {} / {} / {} long, Br {} at {:.0} °C, on a sphere of {}",
+                    "ring of outer diameter {}, bore {}, length {}, Br {} at {:.0} °C, on a sphere of {}",
                     millimetres(2.0 * ring.outer_radius),
                     millimetres(2.0 * ring.inner_radius),
                     millimetres(ring.length),
@@ -118,7 +118,7 @@ impl MagnetPage {
     }
 
     fn place_lines(&self) -> Vec<String> {
-        let heading = ["distance", "attraction", "slope", "B", "B'", "magnetised"];
+        let heading = ["distance", "attraction", "slope", "B (axial)", "dB/dx", "saturation"];
         let mut rows = vec![heading.map(str::to_owned).to_vec()];
         let or_none = |value: Option<String>| value.unwrap_or_else(|| "-".to_owned());
         rows.extend(self.places.iter().map(|place| {

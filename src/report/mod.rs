@@ -36,7 +36,7 @@ mod uncertainty;
 mod work_precision;
 
 pub use arrivals::arrivals;
-pub use chart::{chart, chart_over, charts_over};
+pub use chart::chart;
 pub use comparison::{comparison, comparison_facts, comparison_parts};
 pub use contents::{contents, contents_after, contents_before, contents_of};
 pub use dispersion::{bands, bands_curve};

@@ -18,10 +18,26 @@ pub struct Curve {
     pub points: Vec<(f64, f64)>,
     /// Places to mark, each with its name.
     pub marks: Vec<(f64, String)>,
-    /// Label of the abscissa with unit.
-    pub x_label: String,
-    /// Label of the ordinate.
-    pub y_label: String,
+    /// The abscissa.
+    pub x: Label,
+    /// The ordinate.
+    pub y: Label,
+}
+
+/// What an axis shows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Label {
+    /// The quantity.
+    pub name: String,
+    /// Its unit; empty for a plain number.
+    pub unit: String,
+}
+
+impl Label {
+    /// `name` in `unit`.
+    pub fn new(name: &str, unit: &str) -> Self {
+        Self { name: name.to_owned(), unit: unit.to_owned() }
+    }
 }
 
 impl Curve {
@@ -65,7 +81,7 @@ pub fn braille(
     let margin = labels.iter().map(|l| l.chars().count()).max().unwrap_or(0);
     let rows = canvas.rows();
     let last = rows.len().saturating_sub(1);
-    let mut lines = vec![format!("  {}", curve.y_label)];
+    let mut lines = vec![format!("  {}", curve.y.name)];
     for (index, row) in rows.into_iter().enumerate() {
         let label = match index {
             0 => labels[0].as_str(),
@@ -75,7 +91,7 @@ pub fn braille(
         lines.push(format!("  {label:>margin$} │{row}").trim_end().to_owned());
     }
     lines.push(format!("  {:margin$} └{}", "", "─".repeat(PLOT_SIZE.0)));
-    let (start, end) = (label_x(left), format!("{} {}", label_x(right), curve.x_label));
+    let (start, end) = (label_x(left), format!("{} {}", label_x(right), curve.x.name));
     let gap = PLOT_SIZE.0.saturating_sub(start.chars().count() + end.chars().count());
     lines.push(format!("  {:margin$}  {start}{}{end}", "", " ".repeat(gap.max(1))));
     lines.extend(curve.marks.iter().map(|(x, name)| format!("  ┊ {name}: {}", label_x(*x))));

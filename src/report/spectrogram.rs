@@ -1,7 +1,8 @@
 //! A time-frequency map as characters and as a picture: time to the right, frequency upward, 60 dB from the highest to nothing.
 
 use super::chart;
-use super::sheet::{Axis, Plot, ShadedMap};
+use super::plot::Label;
+use super::sheet::{Plot, ShadedMap};
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::time_frequency::Spectrogram;
 use crate::quantity::engineering;
@@ -125,18 +126,17 @@ pub fn svg(page: &SpectrogramPage) -> String {
     let share = |db: f64| (1.0 + db / DYNAMIC_RANGE).max(0.0);
     let column = |index: usize| rows.iter().map(|row| share(row[index])).collect();
     let [from, to] = page.span();
-    let named = |value: f64, unit: &str, digits: usize| (value, engineering(value, unit, digits));
-    let ticks = vec![named(from, "s", 4), named(to, "s", 4)];
-    let x = Axis { label: String::new(), from, to, logarithmic: false, ticks };
-    let ticks = vec![(0.0, "0".to_owned()), named(page.highest, "Hz", 3)];
-    let y = Axis { label: String::new(), from: 0.0, to: page.highest, logarithmic: false, ticks };
+    let x = chart::axis(&Label::new("time", "s"), (from, to));
+    let y = chart::axis(&Label::new("frequency", "Hz"), (0.0, page.highest));
     let mut plot = Plot::new("", x, y);
     for (frequency, name) in page.edges() {
         plot.lines.push(chart::level(&plot.x, frequency));
         let above = frequency + NAME_DISTANCE * page.highest;
         plot.words.push((from, above, format!("{name} {}", engineering(frequency, "Hz", 4))));
     }
-    plot.map =
-        Some(ShadedMap { columns: (0..across).map(column).collect(), shades: String::new() });
+    plot.map = Some(ShadedMap {
+        columns: (0..across).map(column).collect(),
+        shades: [format!("-{DYNAMIC_RANGE:.0} dB"), "0 dB".to_owned()],
+    });
     chart::picture(&page.title, plot)
 }

@@ -1,6 +1,6 @@
 //! A spectrum as a page of text and as a curve.
 
-use super::plot::{Curve, braille};
+use super::plot::{Curve, Label, braille};
 use super::table;
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::spectrum::SpectralPeak;
@@ -66,8 +66,8 @@ impl SpectrumPage {
         Curve {
             points: points.take_while(|(f, _)| *f <= end.max(2.0 * spectrum.step)).collect(),
             marks: self.chain.iter().flat_map(band_marks).collect(),
-            x_label: "frequency".to_owned(),
-            y_label: format!("{} ({})", spectrum.convention, spectrum.unit),
+            x: Label::new("frequency", "Hz"),
+            y: Label::new(&spectrum.convention.to_string(), &spectrum.unit),
         }
     }
 
@@ -77,9 +77,9 @@ impl SpectrumPage {
         let hertz = |f: f64| engineering(f, "Hz", 4);
         let mut lines = vec![
             self.title.clone(),
-            format!("  ordinate    {}, in {}", spectrum.convention, spectrum.unit),
+            format!("  amplitude   {}, in {}", spectrum.convention, spectrum.unit),
             format!(
-                "  record      M = {} samples, {} window, N = {} with zeros behind them",
+                "  record      M = {} samples, {} window, padded with zeros to N = {}",
                 spectrum.samples, spectrum.window, spectrum.padded
             ),
             format!(
@@ -91,25 +91,26 @@ impl SpectrumPage {
         if self.offset != 0.0 {
             lines.push(format!("  offset      {:.6e} subtracted from every sample", self.offset));
         }
-        lines.push("  lines       ± is the expanded uncertainty (95 %)".to_owned());
+        lines.push("  peaks       largest first; ± is the expanded uncertainty (95 %)".to_owned());
         lines.push(String::new());
         lines.extend(self.peak_lines());
         lines.push(String::new());
-        let label_y = |value: f64| format!("{value:.2e}");
+        let label_y = |value: f64| engineering(value, &spectrum.unit, 3);
         lines.extend(braille(&self.curve(), &hertz, &label_y));
         lines.extend(self.notes.iter().map(|note| format!("  note        {note}")));
         lines.join("\n")
     }
 
     fn peak_lines(&self) -> Vec<String> {
-        let mut heading = vec!["peak".to_owned(), "±".to_owned(), "height".to_owned()];
+        let unit = &self.spectrum.unit;
+        let mut heading = vec!["peak".to_owned(), "±".to_owned(), "amplitude".to_owned()];
         heading.extend(self.chain.map(|_| "where".to_owned()));
         let mut rows = vec![heading];
         rows.extend(self.peaks.iter().map(|peak| {
             let mut row = vec![
-                engineering(peak.frequency, "Hz", 5),
+                engineering(peak.frequency, "Hz", 4),
                 engineering(peak.uncertain().expanded(), "Hz", 2),
-                format!("{:.4e}", peak.amplitude),
+                engineering(peak.amplitude, unit, 3),
             ];
             row.extend(self.chain.map(|chain| band(&chain, peak.frequency).to_owned()));
             row

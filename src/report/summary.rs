@@ -31,7 +31,7 @@ pub fn summary(summary: &Summary) -> String {
 }
 
 fn readings(summary: &Summary) -> Vec<String> {
-    let heading = ["where", "static", "first peak", "dynamic", "at", "half-rise", "10 %"];
+    let heading = ["where", "static", "first peak", "total", "peak at", "half-rise", "10 %"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     let newton = |force: f64| engineering(force, "N", 4);
     let seconds = |time: Option<f64>| time.map_or("-".to_owned(), |t| engineering(t, "s", 4));
@@ -45,8 +45,8 @@ fn readings(summary: &Summary) -> Vec<String> {
         vec![
             place,
             newton(reading.static_n),
-            peak.map_or("-".to_owned(), |p| newton(p.total_n)),
             peak.map_or("-".to_owned(), |p| newton(p.dynamic_n)),
+            peak.map_or("-".to_owned(), |p| newton(p.total_n)),
             seconds(peak.map(|p| p.time_s)),
             seconds(reading.half_rise_s),
             seconds(reading.ten_percent_s),
@@ -54,7 +54,7 @@ fn readings(summary: &Summary) -> Vec<String> {
     };
     rows.extend(summary.sensors.iter().chain(&summary.wall).map(row));
     let mut lines = vec![
-        "force inside the particle, before any electronics; times from the striker's first contact"
+        "true force at the sensors, first peak over the static force; times from the striker's first contact"
             .to_owned(),
     ];
     lines.extend(table::lines(&rows, &[0]));
@@ -106,7 +106,7 @@ fn costs(summary: &Summary) -> Vec<String> {
     } else {
         let mean = summary.simulated_s / summary.steps as f64;
         format!(
-            "{} steps of {} on average, {} rejected",
+            "{} steps of {} on average, {} repeated",
             summary.steps,
             engineering(mean, "s", 3),
             summary.rejected_steps
@@ -122,12 +122,12 @@ fn costs(summary: &Summary) -> Vec<String> {
         format!("  steps       {steps}"),
         format!("  evaluations {} of all contact forces", summary.force_evaluations),
         format!(
-            "  time        {} simulated in {} of wall time{held}",
+            "  time        {} simulated in {} of computing time{held}",
             engineering(summary.simulated_s, "s", 4),
             engineering(summary.wall_s, "s", 3)
         ),
         format!(
-            "  energy      {} at first, {} dissipated, drift {:.1e} of that in motion{rounding}",
+            "  energy      {} at first, {} dissipated, numerical error {:.1e} of the kinetic{rounding}",
             engineering(energy.initial, "J", 4),
             engineering(energy.dissipated, "J", 3),
             energy.drift
@@ -150,7 +150,7 @@ fn short(value: f64) -> String {
 
 /// An accuracy (1), and why this one.
 fn accuracy_words(accuracy: f64, reason: Option<&str>) -> String {
-    format!("accuracy {}, {}", short(accuracy), reason.unwrap_or("asked for"))
+    format!("accuracy {} ({})", short(accuracy), reason.unwrap_or("asked for"))
 }
 
 /// How far off what is printed above may be.

@@ -1,8 +1,9 @@
 //! A transfer function with its coherence as a page of text and as a picture.
 
-use super::plot::{Curve, braille};
+use super::chart::{Under, charts_over};
+use super::plot::{Curve, Label, braille};
 use super::spectrum::band_marks;
-use super::{charts_over, table};
+use super::table;
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::transfer::TransferFunction;
 use crate::quantity::coverage::NORMAL_95;
@@ -53,7 +54,7 @@ impl TransferPage {
         }
     }
 
-    fn curve(&self, y_label: &str, of: &dyn Fn(usize) -> f64) -> Curve {
+    fn curve(&self, y: Label, of: &dyn Fn(usize) -> f64) -> Curve {
         let end = self.chain.map_or(SHOWN_FREQUENCY, |chain| BAND_MARGIN * chain.cutoff());
         // The mean of each segment is taken out.
         let bins = self.found.bins.iter().enumerate().skip(1);
@@ -61,8 +62,8 @@ impl TransferPage {
         Curve {
             points: bins.map(|(index, bin)| (bin.frequency, of(index))).collect(),
             marks: self.chain.iter().flat_map(band_marks).collect(),
-            x_label: "frequency".to_owned(),
-            y_label: y_label.to_owned(),
+            x: Label::new("frequency", "Hz"),
+            y,
         }
     }
 
@@ -71,13 +72,11 @@ impl TransferPage {
             let bin = &self.found.bins[index];
             decibels((bin.gain + deviations * NORMAL_95 * bin.gain_u).max(0.0)).max(LOWEST_GAIN)
         };
-        self.curve("|H| (dB); grey: 95 %", &|index| gain(index).min(-LOWEST_GAIN))
+        self.curve(Label::new("gain |H|", "dB"), &|index| gain(index).min(-LOWEST_GAIN))
     }
 
     fn coherence_curve(&self) -> Curve {
-        let limit = self.found.chance_coherence();
-        let label = format!("coherence; grey: 5 % of unrelated signals are above {limit:.2}");
-        self.curve(&label, &|index| self.found.bins[index].coherence)
+        self.curve(Label::new("coherence", ""), &|index| self.found.bins[index].coherence)
     }
 
     /// Gain with its expanded uncertainty and coherence over frequency, the gap's edges marked.
@@ -86,9 +85,11 @@ impl TransferPage {
         let coherence = self.coherence_curve();
         let ends = coherence.points.first().zip(coherence.points.last());
         let limit = self.found.chance_coherence();
-        let limit =
-            ends.map_or(Vec::new(), |(first, last)| vec![vec![(first.0, limit), (last.0, limit)]]);
-        charts_over(&[(self.gain_curve(0.0), around), (coherence, limit)], &self.title, ("Hz", ""))
+        let name = format!("5 % of unrelated signals are above {limit:.2}");
+        let line = ends.map_or(Vec::new(), |(first, last)| vec![(first.0, limit), (last.0, limit)]);
+        let around = vec![Under::new("95 %", around)];
+        let limit = vec![Under::new(&name, vec![line])];
+        charts_over(&[(self.gain_curve(0.0), around), (coherence, limit)], &self.title)
     }
 
     /// The page that `transfer` prints.

@@ -176,7 +176,7 @@ fn map_panel(tuning: &Tuning) -> Plot {
     );
     panel.map = Some(ShadedMap {
         columns: tuning.points.iter().map(|point| shares(point, MAP_ROWS.1)).collect(),
-        shades: format!("white to black: {DYNAMIC_RANGE:.0} dB"),
+        shades: [format!("-{DYNAMIC_RANGE:.0} dB"), "0 dB".to_owned()],
     });
     for ((name, edge), colour) in EDGES.into_iter().zip([1, 3, 4]) {
         let points = curve(tuning, factor, &|point| Some(1e-3 * edge(&point.chain?)));

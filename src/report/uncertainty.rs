@@ -1,8 +1,9 @@
 //! Intervals, bands and budgets of uncertain scenes, and normalised errors, as pages of text and pictures.
 
-use super::plot::Curve;
+use super::chart::{Under, chart_over};
+use super::plot::{Curve, Label};
+use super::table;
 use super::text::hanging_indent;
-use super::{chart_over, table};
 use crate::quantity::{Dimension, Uncertain, engineering};
 use crate::studies::uncertainty::{
     InputShare, NormalisedError, OutputInterval, TraceBand, UncertainPrediction,
@@ -122,10 +123,11 @@ pub fn band_picture(band: &TraceBand, title: &str) -> String {
     let curve = Curve {
         points: points(&band.nominal_v),
         marks: Vec::new(),
-        x_label: "time after the trigger".to_owned(),
-        y_label: "volts; grey: 95 % of the traces".to_owned(),
+        x: Label::new("time after the trigger", "s"),
+        y: Label::new("voltage", "V"),
     };
-    chart_over(&curve, &[points(&band.low_v), points(&band.high_v)], title, ("s", "V"))
+    let edges = vec![points(&band.low_v), points(&band.high_v)];
+    chart_over(&curve, &[Under::new("95 % of the traces", edges)], title)
 }
 
 /// Normalised errors as lines of `compare`.
@@ -153,7 +155,7 @@ pub fn normalised_error_lines(errors: &[NormalisedError]) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// Both edges and the trace, each a line from left to right: a line that turns back would be thinned to its way there.
+    /// Both edges of the area keep their waves: they are thinned one by one, each from left to right.
     #[test]
     fn a_band_has_two_edges() {
         let wave = |by: f64| (0..5000).map(|i| by + (f64::from(i) / 300.0).sin()).collect();
@@ -166,6 +168,13 @@ mod tests {
             high_v: wave(0.5),
         };
         let svg = band_picture(&band, "a band");
-        assert_eq!(svg.matches("stroke-linejoin").count(), 3, "{svg}");
+        let area = svg.lines().find(|line| line.contains("Z\"")).expect("an area");
+        let places =
+            area.split(['M', 'L']).filter_map(|place| place.split('Z').next()?.split_once(' '));
+        let heights: Vec<f64> =
+            places.filter_map(|(_, y)| y.split('"').next()?.parse().ok()).collect();
+        let turns = heights.windows(3).filter(|h| (h[1] - h[0]) * (h[2] - h[1]) < 0.0).count();
+        // 5000 samples of a wave of 2 pi 300 samples turn five times on each edge.
+        assert!((8..=12).contains(&turns), "{turns}");
     }
 }

@@ -112,7 +112,7 @@ fn what_disagrees_is_said() {
         [
             "the .SET file says that CH2 was off",
             "vertical scale is 1.000 V/div, the .SET file says 2.000 V/div",
-            "vertical position is 200.0 mdiv, the .SET file says 0.000 div",
+            "vertical position is 200.0 mdiv, the .SET file says 0 div",
             "probe attenuation is 1, the .SET file says 10",
             "time base is 1.000 ms/div, the .SET file says 250.0 µs/div",
             "trigger point is 0, the .SET file says 250",

@@ -13,6 +13,9 @@ const TITLE_HEIGHT: f64 = 34.0;
 const LINE_HEIGHT: f64 = 16.0;
 /// Estimated width of a character (pixels).
 const CHARACTER_WIDTH: f64 = 7.0;
+/// Width of the bar of a map's colours (pixels), and its steps.
+const COLOUR_BAR_WIDTH: f64 = 100.0;
+const COLOUR_BAR_STEPS: u32 = 20;
 /// Colour of shaded bands.
 const BAND_COLOUR: &str = "#efe6d2";
 
@@ -115,24 +118,18 @@ impl Drawing<'_> {
             for (column, shares) in map.columns.iter().enumerate() {
                 let high = h / shares.len().max(1) as f64;
                 for (row, share) in shares.iter().enumerate().filter(|(_, share)| **share > 0.0) {
-                    // From white over blue to black: printed in grey it keeps its order.
-                    let [red, green, blue] =
-                        [1.0, 0.85, 0.45].map(|part| 255.0 * (1.0 - share * part));
                     let (x, y) = (wide * column as f64, h - high * (row + 1) as f64);
                     let _ = writeln!(
                         svg,
-                        "<rect x=\"{x:.2}\" y=\"{y:.2}\" width=\"{:.2}\" height=\"{:.2}\" fill=\"rgb({red:.0},{green:.0},{blue:.0})\"/>",
+                        "<rect x=\"{x:.2}\" y=\"{y:.2}\" width=\"{:.2}\" height=\"{:.2}\" fill=\"{}\"/>",
                         wide + 0.05,
-                        high + 0.05
+                        high + 0.05,
+                        shade(*share)
                     );
                 }
             }
             svg.push_str("</g>\n");
-            let _ = writeln!(
-                svg,
-                "<text x=\"{w}\" y=\"-9\" text-anchor=\"end\" fill=\"#606060\">{}</text>",
-                escape(&map.shades)
-            );
+            colour_bar(svg, *w, &map.shades);
         }
         for (from, to, _) in &panel.bands {
             let (x0, x1) = (self.x(*from).max(0.0), self.x(*to).min(*w));
@@ -200,9 +197,21 @@ impl Drawing<'_> {
             .filter(|(_, y)| y.is_finite())
             .collect();
         let mut path = String::new();
-        for (index, (x, y)) in thinned(&places).into_iter().enumerate() {
+        let kept = if *stroke == Stroke::Filled {
+            // The upper edge comes back from the right.
+            let (low, high) = places.split_at(places.len() / 2);
+            let forward: Vec<(f64, f64)> = high.iter().rev().copied().collect();
+            thinned(low).into_iter().chain(thinned(&forward).into_iter().rev()).collect()
+        } else {
+            thinned(&places)
+        };
+        for (index, (x, y)) in kept.into_iter().enumerate() {
             let start = if index == 0 { 'M' } else { 'L' };
             let _ = write!(path, "{start}{x:.1} {y:.1}");
+        }
+        if *stroke == Stroke::Filled {
+            let _ = writeln!(svg, "<path d=\"{path}Z\" fill=\"{colour}\" fill-opacity=\"0.35\"/>");
+            return;
         }
         let dashes = if *stroke == Stroke::Dashed { " stroke-dasharray=\"6 4\"" } else { "" };
         let _ = writeln!(
@@ -211,7 +220,7 @@ impl Drawing<'_> {
         );
     }
 
-    /// Names of lines and bands in the upper right corner, on white.
+    /// Names of lines and bands: above the frame where no title stands there, else in its upper right corner, on white.
     fn legend(&self, svg: &mut String) {
         let named = self.panel.lines.iter().filter(|line| !line.name.is_empty());
         let mut entries: Vec<(&str, String)> =
@@ -221,6 +230,14 @@ impl Drawing<'_> {
         entries.extend(self.panel.bands.iter().map(|(.., name)| (name.as_str(), band.clone())));
         let longest = entries.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
         if longest == 0 {
+            return;
+        }
+        if self.panel.title.is_empty() {
+            let mut right = self.w;
+            for (name, sample) in entries.into_iter().rev() {
+                right -= CHARACTER_WIDTH * name.chars().count() as f64 + 40.0;
+                let _ = writeln!(svg, "{}", legend_entry((right, -13.0), &sample, name));
+            }
             return;
         }
         let width = CHARACTER_WIDTH * longest as f64 + 40.0;
@@ -236,11 +253,49 @@ impl Drawing<'_> {
     }
 }
 
+/// The colour of a share, from white over blue to black: printed in grey it keeps its order.
+fn shade(share: f64) -> String {
+    let [red, green, blue] = [1.0, 0.85, 0.45].map(|part| 255.0 * (1.0 - share * part));
+    format!("rgb({red:.0},{green:.0},{blue:.0})")
+}
+
+/// The shades of a map with the values of both ends, above the upper right corner of a frame of width `w` (pixels).
+fn colour_bar(svg: &mut String, w: f64, ends: &[String; 2]) {
+    let left = w - CHARACTER_WIDTH * ends[1].chars().count() as f64 - COLOUR_BAR_WIDTH - 6.0;
+    let step = COLOUR_BAR_WIDTH / f64::from(COLOUR_BAR_STEPS);
+    let _ = writeln!(
+        svg,
+        "<text x=\"{:.1}\" y=\"-9\" text-anchor=\"end\" fill=\"#606060\">{}</text>\n\
+         <text x=\"{w}\" y=\"-9\" text-anchor=\"end\" fill=\"#606060\">{}</text>",
+        left - 6.0,
+        escape(&ends[0]),
+        escape(&ends[1])
+    );
+    for index in 0..COLOUR_BAR_STEPS {
+        let _ = writeln!(
+            svg,
+            "<rect x=\"{:.1}\" y=\"-19\" width=\"{:.1}\" height=\"10\" fill=\"{}\"/>",
+            left + step * f64::from(index),
+            step + 0.1,
+            shade(f64::from(index) / f64::from(COLOUR_BAR_STEPS - 1))
+        );
+    }
+    let _ = writeln!(
+        svg,
+        "<rect x=\"{left:.1}\" y=\"-19\" width=\"{COLOUR_BAR_WIDTH}\" height=\"10\" fill=\"none\" stroke=\"#303030\" stroke-width=\"0.6\"/>"
+    );
+}
+
 /// A piece of a line for the legend, 20 pixels long.
 fn sample(line: &Polyline) -> String {
     let Polyline { colour, stroke, .. } = line;
     match stroke {
         Stroke::Dots => format!("<circle cx=\"10\" r=\"3.6\" fill=\"{colour}\"/>"),
+        Stroke::Filled => {
+            format!(
+                "<rect y=\"-6\" width=\"20\" height=\"12\" fill=\"{colour}\" fill-opacity=\"0.35\"/>"
+            )
+        }
         Stroke::Solid => format!("<path d=\"M0 0h20\" stroke=\"{colour}\" stroke-width=\"1.6\"/>"),
         Stroke::Dashed => {
             format!(

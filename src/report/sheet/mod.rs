@@ -67,6 +67,8 @@ pub enum Stroke {
     Dashed,
     /// The points alone.
     Dots,
+    /// The area within: the lower edge, and the upper one back.
+    Filled,
 }
 
 /// Points that belong together.
@@ -87,8 +89,8 @@ pub struct Polyline {
 pub struct ShadedMap {
     /// Columns of shares from 0 (white) to 1 (dark) (1).
     pub columns: Vec<Vec<f64>>,
-    /// Values of white and dark.
-    pub shades: String,
+    /// Values of white and of dark.
+    pub shades: [String; 2],
 }
 
 /// One plot.
@@ -136,7 +138,7 @@ pub struct Sheet {
 }
 
 /// Round numbers from `low` to `high`: steps of 1, 2 or 5 of a power of ten.
-pub(super) fn ticks(low: f64, high: f64) -> Vec<f64> {
+fn ticks(low: f64, high: f64) -> Vec<f64> {
     let rough = (high - low) / TARGET_INTERVALS;
     let power = 10f64.powf(rough.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|step| *step >= rough);

@@ -69,7 +69,7 @@ impl EffectVerdict {
     pub fn word(self) -> &'static str {
         match self {
             Self::Needed => "needed",
-            Self::LeftOut => "left out",
+            Self::LeftOut => "matters",
             Self::NoEffect => "no effect",
             Self::NoValue => "no value",
             Self::NotTried => "not tried",
