@@ -6,7 +6,7 @@
 
 use std::f64::consts::TAU;
 
-/// A chain of light and heavy masses in turn, joined by equal springs.
+/// A chain of light and heavy masses in turn, or of equal ones, joined by equal springs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DiatomicChain {
     /// The lighter mass `m` (kg).
@@ -43,6 +43,21 @@ impl DiatomicChain {
     /// Top of the optical branch `f3`, above which nothing travels (Hz).
     pub fn cutoff(&self) -> f64 {
         self.gap_bottom().hypot(self.gap_top())
+    }
+
+    /// Edges of the bands from below, with their names: `f1`, `f2` and `f3`; of equal masses, which leave no gap, `f3` alone (Hz).
+    pub fn edges(&self) -> Vec<(&'static str, f64)> {
+        let cutoff = ("f3", self.cutoff());
+        if self.has_gap() {
+            vec![("f1", self.gap_bottom()), ("f2", self.gap_top()), cutoff]
+        } else {
+            vec![cutoff]
+        }
+    }
+
+    /// Whether the masses differ, so that there is a band gap.
+    pub fn has_gap(&self) -> bool {
+        self.light_mass < self.heavy_mass
     }
 
     /// Frequency of the mode that lives in the gap at a free end with a light mass (Hz).

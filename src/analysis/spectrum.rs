@@ -334,6 +334,8 @@ impl fmt::Display for Window {
     }
 }
 
+/// The first side lobe of a rectangular window has 0.217 of its line's amplitude, those of the others less (1).
+const MAX_SIDE_LOBE: f64 = 0.25;
 /// Side lobes reach this much farther than the main lobe before they are low enough, in resolutions (1).
 const SIDE_LOBES: f64 = 1.0;
 
@@ -359,18 +361,24 @@ impl SpectralPeak {
 }
 
 impl Spectrum {
-    /// Local maxima higher than `share` of the highest, highest first. What stands within a main lobe and a side lobe of a higher
-    /// one is taken for part of it; zero frequency and half the sampling frequency are no maxima.
+    /// Local maxima higher than `share` of the highest, highest first. What stands within the main lobe of a higher one, or is as small as
+    /// a side lobe beside it, is taken for part of it; zero frequency and half the sampling frequency are no maxima.
     pub fn peaks(&self, share: f64) -> Vec<SpectralPeak> {
         let mut found: Vec<SpectralPeak> = (1..self.amplitude.len().saturating_sub(1))
             .filter_map(|bin| self.peak_at(bin))
             .collect();
         found.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
         let floor = found.first().map_or(0.0, |highest| share * highest.amplitude);
-        let apart = (self.window.half_lobe() + SIDE_LOBES) * self.resolution;
+        let half_lobe = self.window.half_lobe() * self.resolution;
+        let apart = half_lobe + SIDE_LOBES * self.resolution;
         let mut kept: Vec<SpectralPeak> = Vec::new();
         for peak in found.into_iter().take_while(|peak| peak.amplitude >= floor) {
-            if kept.iter().all(|higher| (higher.frequency - peak.frequency).abs() > apart) {
+            let is_apart = |higher: &SpectralPeak| {
+                let distance = (higher.frequency - peak.frequency).abs();
+                let is_side_lobe = peak.amplitude < MAX_SIDE_LOBE * higher.amplitude;
+                distance > if is_side_lobe { apart } else { half_lobe }
+            };
+            if kept.iter().all(is_apart) {
                 kept.push(peak);
             }
         }

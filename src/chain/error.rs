@@ -19,7 +19,7 @@ pub enum ChainError {
         lower: String,
     },
     /// The striker would have to pass through a wall.
-    #[error("both a striker and a wall are at the top: leave one away")]
+    #[error("both a striker and a wall are at the top: leave one out")]
     StrikerBehindWall,
     /// The static force of a contact is tensile.
     #[error(

@@ -76,6 +76,11 @@ impl Body {
         let shape = |body: &Self| [body.length.to_bits(), body.curvature.to_bits()];
         self.name == other.name && shape(self) == shape(other)
     }
+
+    /// Whether it and the two after it are two kinds in turn, or of one kind and size.
+    pub fn repeats_after(&self, second: &Self, third: &Self) -> bool {
+        self.is_alike(third) && (self.name != second.name || self.is_alike(second))
+    }
 }
 
 /// What stands at an end of the chain.

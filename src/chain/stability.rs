@@ -52,11 +52,16 @@ impl Chain {
         })
     }
 
-    /// Names of what is above and below contact `j`.
+    /// What is above and below contact `j`: kinds, where both are the same with the particles' numbers.
     pub(crate) fn beside(&self, j: usize) -> (String, String) {
-        let name = |index: Option<usize>| {
-            let body = index.and_then(|index| self.bodies.get(index));
-            body.map_or("the wall", |body| &*body.name).to_owned()
+        let body = |index: Option<usize>| index.and_then(|index| self.bodies.get(index));
+        let is_same = body(j.checked_sub(1)).map(|b| &b.name) == body(Some(j)).map(|b| &b.name);
+        let name = |index: Option<usize>| match (body(index), index) {
+            (Some(body), Some(index)) if is_same => {
+                let particle = index + usize::from(!self.striker);
+                format!("{} {particle}", body.name)
+            }
+            (body, _) => body.map_or("the wall", |body| &*body.name).to_owned(),
         };
         (name(j.checked_sub(1)), name(Some(j)))
     }

@@ -61,7 +61,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let particle = arguments.particle.or(sensor).unwrap_or(2);
     let Some((chain, now)) = metadata::cell_and_force(&scene, Site::Particle(particle)) else {
         bail!(
-            "found no band gap at particle {particle} of {}, expected two kinds that take turns and a preload",
+            "found no bands at particle {particle} of {}, expected two kinds in turn or equal particles, and a preload",
             scene.name
         );
     };

@@ -112,7 +112,7 @@ fn page(arguments: &Arguments) -> anyhow::Result<DispersionPage> {
     let cell = metadata::cell_and_force(&scene, Site::Particle(particle));
     let (Some((chain, preload)), Some(contacts)) = (cell, metadata::cells(&scene, particle)) else {
         bail!(
-            "found no band gap at particle {particle} of {}, expected two kinds that take turns and a preload",
+            "found no bands at particle {particle} of {}, expected two kinds in turn or equal particles, and a preload",
             scene.name
         );
     };

@@ -7,10 +7,10 @@ use serde_json::json;
 use crate::data;
 use crate::report::text::hanging_indent;
 
-/// List included materials, sensors, strikers, magnets, scopes or scenes, or print one as a template
+/// List the included materials or instruments, or print one as a template
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Kind
+    /// What to list
     kind: Kind,
     /// Print this file
     name: Option<String>,

@@ -17,12 +17,20 @@ pub struct JobProgress {
     bar: Option<ProgressBar>,
     quiet: bool,
     what: String,
+    /// Share that was done before it began (1).
+    before: f64,
 }
 
 impl JobProgress {
     /// A job called `what`, never shown if `quiet`.
     pub fn new(what: &str, quiet: bool) -> Self {
-        Self { started: Instant::now(), bar: None, quiet, what: printable_line(what).into_owned() }
+        Self::resumed(what, quiet, 0.0)
+    }
+
+    /// The same of a job of which the share `before` was done earlier (1).
+    pub fn resumed(what: &str, quiet: bool, before: f64) -> Self {
+        let what = printable_line(what).into_owned();
+        Self { started: Instant::now(), bar: None, quiet, what, before }
     }
 
     /// Shows that `share` of the work is done, 0 to 1.
@@ -40,9 +48,11 @@ impl JobProgress {
             bar.set_style(
                 style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "),
             );
+            bar.set_position(parts(self.before));
+            bar.reset_eta();
             bar
         });
-        bar.set_position((share.clamp(0.0, 1.0) * PROGRESS_PARTS as f64) as u64);
+        bar.set_position(parts(share));
     }
 
     /// Takes the bar away.
@@ -51,4 +61,9 @@ impl JobProgress {
             bar.finish_and_clear();
         }
     }
+}
+
+/// A share in parts (1).
+fn parts(share: f64) -> u64 {
+    (share.clamp(0.0, 1.0) * PROGRESS_PARTS as f64) as u64
 }

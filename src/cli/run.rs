@@ -169,6 +169,11 @@ fn tell(
         super::print(&serde_json::to_string_pretty(&summary)?)?;
     } else if arguments.quiet {
         // Scripts read standard output; the name may be one that the program chose.
+        for note in summaries.iter().flat_map(|summary| &summary.notes) {
+            if note.code == "not_triggered" {
+                eprintln!("note        {note}");
+            }
+        }
         eprintln!("recording   {recording}");
     } else {
         super::print(&summaries.first().map(report::summary).unwrap_or_default())?;

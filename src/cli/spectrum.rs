@@ -94,7 +94,9 @@ pub fn chain_at(
             Some(cell) => (Some(cell), vec![SMALL_SIGNAL_NOTE.to_owned()]),
             None => (
                 None,
-                vec!["no band edges: no two kinds take turns there, or nothing presses".to_owned()],
+                vec![
+                    "no band edges: the chain is not periodic there, or nothing presses".to_owned(),
+                ],
             ),
         },
         Some(Err(error)) => (None, vec![format!("no band edges: {error}")]),

@@ -3,8 +3,8 @@
 use std::collections::HashSet;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use anyhow::Context as _;
@@ -96,7 +96,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mine = (0..plan.count()).filter(|run| shard.has(*run));
     let pending: Vec<u64> = mine.filter(|run| !finished.contains(run)).collect();
     let started = Instant::now();
-    let progress = SharedProgress::new(&shown(&plan, shard), pending.len(), arguments.quiet);
+    let before = of_shard - pending.len() as u64;
+    let progress = SharedProgress::new(&shown(&plan, shard), (before, of_shard), arguments.quiet);
+    progress.tell_when_interrupted(path.display().to_string());
     let tally = work(&job, &plan, &pending, &mut log, &|more| progress.more(more));
     progress.done();
     let tally = tally?;
@@ -106,7 +108,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         runs: plan.count(),
         shard: (!shard.is_whole()).then(|| shard.to_string()),
         of_shard,
-        finished_before: of_shard - pending.len() as u64,
+        finished_before: before,
         done: tally.done,
         wall_s: started.elapsed().as_secs_f64(),
         threads: job.threads,
@@ -160,13 +162,34 @@ fn shown(plan: &SweepPlan, shard: Shard) -> String {
 /// A progress bar that threads share.
 struct SharedProgress {
     bar: Mutex<JobProgress>,
-    done: AtomicU64,
-    all: usize,
+    done: Arc<AtomicU64>,
+    all: u64,
 }
 
 impl SharedProgress {
-    fn new(what: &str, all: usize, quiet: bool) -> Self {
-        Self { bar: Mutex::new(JobProgress::new(what, quiet)), done: AtomicU64::new(0), all }
+    /// A bar over `all` runs, of which some were done `before`.
+    fn new(what: &str, (before, all): (u64, u64), quiet: bool) -> Self {
+        let bar = JobProgress::resumed(what, quiet, before as f64 / all as f64);
+        Self { bar: Mutex::new(bar), done: Arc::new(AtomicU64::new(before)), all }
+    }
+
+    /// Has Ctrl-C end the program with a sentence on what is kept. Runs are in the `log` before they count as done.
+    fn tell_when_interrupted(&self, log: String) {
+        #[cfg(unix)]
+        if let Ok(mut signals) = signal_hook::iterator::Signals::new([
+            signal_hook::consts::SIGINT,
+            signal_hook::consts::SIGTERM,
+        ]) {
+            let (done, all) = (self.done.clone(), self.all);
+            std::thread::spawn(move || {
+                let Some(signal) = signals.forever().next() else { return };
+                let done = done.load(Ordering::Relaxed);
+                super::say(&format!(
+                    "\nstopped: {done} of {all} runs are kept in {log}; the same command goes on from there"
+                ));
+                std::process::exit(128 + signal);
+            });
+        }
     }
 
     fn more(&self, more: u64) {

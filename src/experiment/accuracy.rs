@@ -147,11 +147,11 @@ pub fn run_to_accuracy(
         let mut notes = Vec::new();
         if steps < accuracy {
             let why = if makes_energy {
-                "longer ones have made or lost more than a tenth of the energy in motion"
+                "longer ones made or lost more than a tenth of the kinetic energy"
             } else {
-                "longer ones left it uncertain whether readings are as accurate as asked, and traces to half of the digits"
+                "with longer ones the error estimate was above the accuracy asked for, or above its square root in the traces"
             };
-            let sentence = format!("steps are made for {steps:.0e}: {why}");
+            let sentence = format!("steps are chosen for an accuracy of {steps:.0e}: {why}");
             notes.push(Note::new("shorter_steps", sentence).with("steps_for", steps));
         }
         notes.extend(doubt(estimate.as_ref(), accuracy));

@@ -120,7 +120,10 @@ pub fn record(
         }
     }
     let trigger_time = found.map(|found| bench.grid().time(found.index));
-    let timestamp_ns = (trigger_time.unwrap_or(0.0).max(0.0) * 1e9).round() as u64;
+    // Shots follow each other as on a bench, or readers that sort by time would mix them up.
+    let spacing = (scene.duration + setup.model.horizontal_divisions * setup.time_base).ceil();
+    let at = f64::from(number.saturating_sub(1)) * spacing + trigger_time.unwrap_or(0.0).max(0.0);
+    let timestamp_ns = (at * 1e9).round() as u64;
     Shot {
         number,
         origin: Origin::Simulated,

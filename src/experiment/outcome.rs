@@ -179,8 +179,13 @@ impl Summary {
     fn note_horizon(&mut self, time: f64, accuracy: f64) {
         let (words, left) = (engineering(time, "s", 2), accuracy.sqrt());
         self.horizon_s = Some(time);
+        let traces = self.error_estimate.as_ref().and_then(|estimate| estimate.trace);
+        let where_else = match traces {
+            Some(off) if off < left => " somewhere in the chain, though not at the sensors",
+            _ => "",
+        };
         let sentence = format!(
-            "after {words} the motion is chaotic and not reliable in detail (errors may exceed {left:.0e} of the largest overlap or speed); a tighter --accuracy or a shorter step extends this"
+            "after {words} the motion is chaotic and not reliable in detail{where_else} (errors may exceed {left:.0e} of the largest overlap or speed); a tighter --accuracy or a shorter step extends this"
         );
         self.notes.push(Note::new("chaotic", sentence).with("from_s", time));
     }

@@ -26,7 +26,7 @@ pub struct TimeAxis {
 
 /// The traces at the scene's channels `wanted`, each by its place and its front panel, on `axis`, whose zero is at `trigger` (s) after
 /// the striker's first contact (V). Every trace has one sample more at either end. Sensors are what their data tell; the
-/// scope is without errors. None where the record would end ten durations after the contact.
+/// scope is without errors. None where the record would end ten durations after the contact, or the trigger lies as far from it.
 ///
 /// # Errors
 /// [`RunError`] for states that stop being numbers.
@@ -37,6 +37,11 @@ pub fn forces_at(
     trigger: f64,
     accuracy: f64,
 ) -> Result<Option<Vec<Vec<f64>>>, RunError> {
+    let most = MAX_DURATION_FACTOR * scene.duration;
+    // A search may try any trigger time, infinite ones too.
+    if trigger.is_nan() || trigger.abs() > most {
+        return Ok(None);
+    }
     let first = trigger + axis.start - axis.interval;
     // The circuits start at rest, before anything has moved.
     let before = (first / axis.interval).max(0.0).ceil() + SPARE_SAMPLES;
@@ -45,7 +50,7 @@ pub fn forces_at(
     let (stride, count) = (stride as usize, axis.count + 2);
     let skip = before as usize * stride;
     let end = grid.time(skip + stride * count);
-    if !end.is_finite() || end > MAX_DURATION_FACTOR * scene.duration {
+    if end > most {
         return Ok(None);
     }
     let method = method(scene, Integration::Accuracy(accuracy))?;

@@ -211,8 +211,8 @@ fn sensor(facts: &BTreeMap<String, String>) -> RecordedSensor {
     }
 }
 
-/// The linear chain of two masses in turn that `scene`'s chain is around `site`, at the static force there; none where kinds do
-/// not take turns or nothing presses.
+/// The linear chain of two masses in turn, or of equal ones, that `scene`'s chain is around `site`, at the static force there; none
+/// where the chain is not periodic or nothing presses.
 pub fn cell(scene: &Scene, site: Site) -> Option<DiatomicChain> {
     cell_and_force(scene, site).map(|(cell, _)| cell)
 }
@@ -229,11 +229,14 @@ pub fn cell_and_force(scene: &Scene, site: Site) -> Option<(DiatomicChain, f64)>
     // A particle, its neighbour of the other kind and the next of its own, downward if that is a cell, else upward.
     let is_cell = |upper: usize| {
         let (first, second, third) = (body(upper)?, body(upper + 1)?, body(upper + 2)?);
-        let turns = first.is_alike(third) && first.name != second.name;
-        (turns && upper >= 1 && upper + 2 <= last).then_some(upper)
+        (first.repeats_after(second, third) && upper >= 1 && upper + 2 <= last).then_some(upper)
     };
     let upper = is_cell(particle).or_else(|| is_cell(particle.checked_sub(2)?))?;
-    let (here, other) = (body(upper)?, body(upper + 1)?);
+    let (here, mut other) = (body(upper)?, body(upper + 1)?);
+    if here.name == other.name {
+        // Of equal particles those with sensors may be heavier.
+        other = here;
+    }
     let contact = chain.contacts().get(chain.body_of(upper) + 1)?;
     let stiffness = contact.static_stiffness();
     let cell = DiatomicChain {
@@ -245,14 +248,14 @@ pub fn cell_and_force(scene: &Scene, site: Site) -> Option<(DiatomicChain, f64)>
     (stiffness > 0.0).then_some((cell, contact.static_force))
 }
 
-/// Every second contact of the periodic part of `scene`'s chain around `particle`, one a cell, from the top; none where kinds do not
-/// take turns.
+/// Every second contact of the periodic part of `scene`'s chain around `particle`, one a cell, from the top; none where it is not
+/// periodic.
 pub fn cells(scene: &Scene, particle: usize) -> Option<Vec<usize>> {
     let chain = &scene.chain;
     let body = |p: usize| chain.bodies().get(chain.body_of(p));
     let takes_turns = |p: usize| {
         let (first, second, third) = (body(p)?, body(p + 1)?, body(p + 2)?);
-        Some(first.is_alike(third) && first.name != second.name)
+        Some(first.repeats_after(second, third))
     };
     let turns = |p: usize| p >= 1 && p + 2 <= chain.particles() && takes_turns(p).unwrap_or(false);
     let start = [particle, particle.saturating_sub(1), particle.saturating_sub(2)];

@@ -51,6 +51,14 @@ pub enum OpenError {
         /// The system's error.
         source: std::io::Error,
     },
+    /// Nothing is there.
+    #[error(
+        "{file}: no such file or folder, expected a recording (.mcap), a scope's file (.csv, .isf), or a folder of them"
+    )]
+    Missing {
+        /// The path.
+        file: PathBuf,
+    },
     /// The name tells no format.
     #[error(
         "{file}: found no known format, expected .mcap, .csv, .isf, or a folder of .csv files as the scope saves them"
@@ -128,10 +136,7 @@ pub fn open_with(path: &Path, columns: &TableColumns) -> Result<TraceSet, OpenEr
             Ok(set)
         }
         None if path.exists() => Err(OpenError::UnknownFormat { file: path.to_owned() }),
-        None => {
-            let source = std::io::Error::from(std::io::ErrorKind::NotFound);
-            Err(OpenError::File { file: path.to_owned(), source })
-        }
+        None => Err(OpenError::Missing { file: path.to_owned() }),
     }
 }
 

@@ -67,10 +67,14 @@ impl DispersionPage {
         let mut page = vec![
             self.title.clone(),
             format!(
-                "  theory      Eq. (7) under {}: gap from f1 {} to f2 {}, nothing above f3 {}",
+                "  theory      Eq. (7) under {}: {}, nothing above f3 {}",
                 engineering(self.preload, "N", 4),
-                hertz(chain.gap_bottom()),
-                hertz(chain.gap_top()),
+                if chain.has_gap() {
+                    let (f1, f2) = (hertz(chain.gap_bottom()), hertz(chain.gap_top()));
+                    format!("gap from f1 {f1} to f2 {f2}")
+                } else {
+                    "equal particles, no gap".to_owned()
+                },
                 hertz(chain.cutoff())
             ),
             format!(
@@ -111,26 +115,35 @@ impl DispersionPage {
     }
 }
 
-/// The gap's lower edge over the preload.
+/// The gap's lower edge over the preload, or without a gap the cut-off.
 pub fn bands_curve(rows: &[(f64, DiatomicChain)], now: f64) -> Curve {
+    let has_gap = rows.iter().all(|(_, chain)| chain.has_gap());
+    let edge = |chain: &DiatomicChain| if has_gap { chain.gap_bottom() } else { chain.cutoff() };
+    let name = if has_gap {
+        "f1, the gap's lower edge; f2 and f3 are in proportion"
+    } else {
+        "f3, the cut-off; equal particles leave no gap"
+    };
     Curve {
-        points: rows.iter().map(|(force, chain)| (*force, chain.gap_bottom())).collect(),
+        points: rows.iter().map(|(force, chain)| (*force, edge(chain))).collect(),
         marks: vec![(now, "the scene's preload".to_owned())],
         x: Label::new("preload", "N"),
-        y: Label::new("f1, the gap's lower edge; f2 and f3 are in proportion", "Hz"),
+        y: Label::new(name, "Hz"),
     }
 }
 
 /// The page that `bands` prints.
 pub fn bands(title: &str, rows: &[(f64, DiatomicChain)], now: f64) -> String {
-    let hertz = |f: f64| engineering(f, "Hz", 5);
+    let hertz = |f: f64| engineering(f, "Hz", 4);
+    let gap_edge =
+        |chain: &DiatomicChain, edge| if chain.has_gap() { hertz(edge) } else { "-".to_owned() };
     let heading = ["preload", "f1, gap from", "f2, gap to", "f3, cutoff", "long waves", ""];
     let mut lines = vec![heading.map(str::to_owned).to_vec()];
     lines.extend(rows.iter().map(|(force, chain)| {
         vec![
             engineering(*force, "N", 4),
-            hertz(chain.gap_bottom()),
-            hertz(chain.gap_top()),
+            gap_edge(chain, chain.gap_bottom()),
+            gap_edge(chain, chain.gap_top()),
             hertz(chain.cutoff()),
             engineering(chain.sound_speed(), "m/s", 4),
             if (*force - now).abs() <= f64::EPSILON * now { "the scene's preload" } else { "" }

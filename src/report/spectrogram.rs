@@ -62,10 +62,8 @@ impl SpectrogramPage {
     }
 
     fn edges(&self) -> Vec<(f64, &'static str)> {
-        let edges = self.chain.iter().flat_map(|chain| {
-            [(chain.gap_bottom(), "f1"), (chain.gap_top(), "f2"), (chain.cutoff(), "f3")]
-        });
-        edges.collect()
+        let edges = self.chain.iter().flat_map(DiatomicChain::edges);
+        edges.map(|(name, frequency)| (frequency, name)).collect()
     }
 
     fn span(&self) -> [f64; 2] {

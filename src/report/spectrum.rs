@@ -31,7 +31,9 @@ pub struct SpectrumPage {
 
 /// Which band of `chain` a frequency (Hz) lies in.
 pub fn band(chain: &DiatomicChain, frequency: f64) -> &'static str {
-    if frequency <= chain.gap_bottom() {
+    if !chain.has_gap() {
+        if frequency <= chain.cutoff() { "pass band" } else { "above the cut-off" }
+    } else if frequency <= chain.gap_bottom() {
         "acoustic branch"
     } else if frequency < chain.gap_top() {
         "gap"
@@ -43,12 +45,17 @@ pub fn band(chain: &DiatomicChain, frequency: f64) -> &'static str {
 }
 
 /// The band edges of `chain` as marks of a curve over frequency.
-pub(super) fn band_marks(chain: &DiatomicChain) -> [(f64, String); 3] {
-    [
-        (chain.gap_bottom(), "f1, the gap's lower edge".to_owned()),
-        (chain.gap_top(), "f2, the gap's upper edge".to_owned()),
-        (chain.cutoff(), "f3, top of the optical branch".to_owned()),
-    ]
+pub(super) fn band_marks(chain: &DiatomicChain) -> Vec<(f64, String)> {
+    let named = |(name, frequency): (&str, f64)| {
+        let what = match name {
+            "f1" => "f1, the gap's lower edge",
+            "f2" => "f2, the gap's upper edge",
+            _ if chain.has_gap() => "f3, top of the optical branch",
+            _ => "f3, the cut-off",
+        };
+        (frequency, what.to_owned())
+    };
+    chain.edges().into_iter().map(named).collect()
 }
 
 impl SpectrumPage {

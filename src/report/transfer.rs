@@ -44,6 +44,9 @@ impl TransferPage {
         match &self.chain {
             Some(chain) => {
                 let (f1, f2, f3) = (chain.gap_bottom(), chain.gap_top(), chain.cutoff());
+                if !chain.has_gap() {
+                    return vec![("pass band", [0.0, f3])];
+                }
                 vec![
                     ("acoustic branch", [0.0, f1]),
                     ("gap", [f1, f2]),

@@ -15,6 +15,8 @@ use crate::quantity::{Dimension, engineering};
 const MAX_PARTICLES: usize = 30_000;
 
 /// A mass that differs from that of its shape and its material's density by more than this factor is noted: holes and wrong diameters make less, wrong units
+/// A body wider than this has probably the wrong unit (m).
+const LARGE_BODY: f64 = 0.1;
 /// and materials more (1).
 const MAX_MASS_RATIO: f64 = 1.3;
 
@@ -131,6 +133,14 @@ fn body(
         );
         let note = Note::new("mass_not_of_its_material", sentence).with("body", name);
         let note = note.with("mass_kg", mass).with("solid_mass_kg", solid);
+        materials.notes.borrow_mut().push(note);
+    }
+    if let Some(size) = diameter.filter(|size| *size > LARGE_BODY) {
+        let sentence = format!(
+            "{name} is {} across: check the unit of its diameter",
+            engineering(size, "m", 3)
+        );
+        let note = Note::new("large_body", sentence).with("body", name).with("diameter_m", size);
         materials.notes.borrow_mut().push(note);
     }
     let Material { elasticity, yield_strength, .. } = material?;

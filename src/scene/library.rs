@@ -55,6 +55,9 @@ pub struct LoadedScene {
 /// [`SceneError`] when there is no such scene or its text is no TOML.
 pub fn load(name: &str) -> Result<LoadedScene, SceneError> {
     let (text, file, origin) = find("scenes", name, &Origin::Embedded)?.ok_or_else(|| {
+        if Path::new(name).exists() {
+            return SceneError::NoScene { name: name.to_owned() };
+        }
         SceneError::Unknown { name: name.to_owned(), shipped: data::instrument_names("scenes") }
     })?;
     let stem = Path::new(name).file_stem().and_then(|s| s.to_str()).unwrap_or(name);

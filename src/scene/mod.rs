@@ -40,7 +40,7 @@ pub use uncertainty::{InputDistribution, SpreadAmount, UncertainInput};
 
 use crate::chain::{Chain, ChainSpec, End};
 use crate::note::Note;
-use crate::quantity::Dimension;
+use crate::quantity::{Dimension, engineering};
 use crate::scope::{Model, Setup};
 use crate::sensor::SensorTolerance;
 use bench::CachedPanel;
@@ -55,6 +55,10 @@ pub const DEFAULT_ACCURACY: f64 = 1e-6;
 pub const TIGHTEST_ACCURACY: f64 = 1e-11;
 /// Loosest accuracy that still deserves the name (1).
 pub const LOOSEST_ACCURACY: f64 = 0.1;
+/// Acceleration by which the weight of a chain without gravity is judged (m/s^2).
+const FREE_FALL: f64 = 9.81;
+/// A chain whose weight is more than this share of what presses its last contact is noted if gravity is off (1).
+const NOTED_WEIGHT_SHARE: f64 = 0.1;
 /// Largest seed that a scene may name: whole numbers up to here are exact however a file is read.
 const MAX_SEED: u64 = (1 << 53) - 1;
 
@@ -292,6 +296,10 @@ fn moving<'a>(root: &TableReader<'a>, problems: &Problems) -> Moving<'a> {
         }
         _ => None,
     };
+    let mut notes = materials.into_notes();
+    if effects.as_ref().is_none_or(|effects| !effects.has("gravity")) {
+        notes.extend(built.as_ref().and_then(|(_, chain)| weightless(chain)));
+    }
     for table in table.into_iter().chain(effects) {
         table.finish();
     }
@@ -307,6 +315,22 @@ fn moving<'a>(root: &TableReader<'a>, problems: &Problems) -> Moving<'a> {
         auto: effects::left_to_accuracy(&switches),
         initial_velocities,
         built,
-        notes: materials.into_notes(),
+        notes,
     }
+}
+
+/// The note on a chain that stands on a wall without gravity, though its weight would add to what presses it.
+fn weightless(chain: &Chain) -> Option<Note> {
+    let contact = chain.contacts().get(chain.wall_contact()?)?;
+    let particles = chain.bodies().iter().skip(usize::from(chain.has_striker()));
+    let weight = FREE_FALL * particles.map(|body| body.mass).sum::<f64>();
+    (weight > NOTED_WEIGHT_SHARE * contact.static_force).then(|| {
+        let sentence = format!(
+            "gravity is off: upright, the chain weighs {}, and {} presses its last contact now; [effects.gravity] acceleration = \"9.81 m/s^2\" switches it on, state = \"off\" there says that it lies",
+            engineering(weight, "N", 3),
+            engineering(contact.static_force, "N", 3)
+        );
+        let note = Note::new("gravity_off", sentence).with("weight_n", weight);
+        note.with("static_force_n", contact.static_force)
+    })
 }

@@ -160,7 +160,14 @@ pub fn check_vertical(table: &TableReader<'_>, model: &Model, knobs: (f64, Optio
     }
     let steps = position / model.position_step;
     if (steps - steps.round()).abs() > 1e-9 * steps.abs().max(1.0) {
-        let expected = format!("a multiple of {} div, as on the front panel", model.position_step);
+        let near = [steps.floor(), steps.ceil()].map(|steps| {
+            let position = steps * model.position_step;
+            (1e6 * position).round() / 1e6
+        });
+        let expected = format!(
+            "a multiple of {} div, as on the front panel: {} div or {} div",
+            model.position_step, near[0], near[1]
+        );
         table.problem("position", format!("{position} div"), expected);
     }
 }

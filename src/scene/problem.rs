@@ -87,6 +87,14 @@ pub enum SceneError {
         /// The scenes there are.
         shipped: Vec<&'static str>,
     },
+    /// A file or folder that is no scene.
+    #[error(
+        "{name} is no scene, which is a .toml file; a simulated recording carries its scene (`hertzscope info`)"
+    )]
+    NoScene {
+        /// The path.
+        name: String,
+    },
     /// The text is wrong in at least one place.
     #[error("{}", list(.0))]
     Problems(Vec<Problem>),

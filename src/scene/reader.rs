@@ -153,7 +153,7 @@ impl<'a> TableReader<'a> {
                 *value
             }
             Value::Number { typed, value, .. } if value.is_finite() => {
-                let unit = dimension.unit();
+                let unit = usual_unit(dimension);
                 self.problem(
                     key,
                     format!("the number {typed} without a unit"),
@@ -352,4 +352,14 @@ pub(super) fn effect<'a>(effects: &TableReader<'a>, name: &'static str) -> Optio
     let table = effects.table(name)?;
     let _ = table.node("state");
     Some(table)
+}
+
+/// The unit that a bench's values of this dimension are mostly given in.
+fn usual_unit(dimension: Dimension) -> String {
+    match dimension {
+        Dimension::LENGTH => "mm".to_owned(),
+        Dimension::TIME => "ms".to_owned(),
+        Dimension::MASS => "g".to_owned(),
+        other => other.unit(),
+    }
 }

@@ -112,7 +112,11 @@ fn collect(
                 continue;
             }
             let key = format!("uncertainty.{path}");
-            let expected = "the path of a number of the scene, e.g. striker.speed";
+            let expected = if path.contains('.') {
+                "the path of a number of the scene, e.g. striker.speed"
+            } else {
+                "the path of a number of the scene, e.g. striker.speed; keys below a [table] belong to it, those of the scene itself stand above the first one"
+            };
             let nothing = format!("nothing at `{path}` in the scene");
             problems.push(node.place.problem(&key, nothing, expected.to_owned()));
         } else if let Value::Table(_) = &node.value {

@@ -69,6 +69,9 @@ pub fn plot(
         let x = (decade - axes.work.0) / (axes.work.1 - axes.work.0);
         let label = work.tick(decade);
         let start = (8 + column_of(x)).saturating_sub(label.chars().count() / 2);
+        if start <= below.chars().count() && !below.is_empty() {
+            continue;
+        }
         below.push_str(&" ".repeat(start.saturating_sub(below.chars().count())));
         below.push_str(&label);
     }

@@ -3,7 +3,7 @@
 use super::trial::{EffectTrial, of_chain};
 use super::{BaselineRun, EffectFinding, EffectState, LedgerEntry};
 use crate::chain::{
-    Dashpot, Gravity, KuwabaraKono, LinearisedContacts, MagnetForce, MagnetLaw, PlacedAt,
+    Body, Dashpot, Gravity, KuwabaraKono, LinearisedContacts, MagnetForce, MagnetLaw, PlacedAt,
     PlacedMagnet, PowerLawLoss,
 };
 use crate::quantity::engineering;
@@ -11,6 +11,8 @@ use crate::scene::{Scene, Site, magnets};
 
 /// Acceleration of free fall that would be switched on (m/s^2).
 const FREE_FALL: f64 = 9.81;
+/// Masses that differ by less than this are the same but for rounding (1).
+const ROUNDING: f64 = 1e-9;
 /// The ring that stands for real magnets in the criterion of a constant force.
 const RING: &str = "ring-15-6-6";
 /// How much heavier a particle may be with a plate in it: bench notes of such sensors have up to this (1).
@@ -263,16 +265,18 @@ pub fn host_mass(subject: &BaselineRun<'_>) -> LedgerEntry {
         Site::Wall => None,
     };
     let hosts: Vec<usize> = scene.sensors.iter().filter_map(|s| host(s.site)).collect();
-    // A kind's own mass is that of its particles without a sensor.
+    // A kind's own mass is that of its particles without a sensor; in a taper they are of other sizes.
     let own = |index: usize| {
         let body = particles.get(index)?;
-        let bare =
-            particles.iter().enumerate().find(|(i, b)| b.is_alike(body) && !hosts.contains(i));
-        bare.map(|(_, body)| body.mass)
+        let is_bare = |(i, bare): &(usize, &Body)| bare.name == body.name && !hosts.contains(i);
+        let size = |(_, bare): &(usize, &Body)| (bare.length / body.length).ln().abs();
+        let bare = particles.iter().enumerate().filter(is_bare);
+        let (_, bare) = bare.min_by(|a, b| size(a).total_cmp(&size(b)))?;
+        Some(bare.mass * (body.length / bare.length).powi(3))
     };
     let ratio = |index: &usize| Some(particles.get(*index)?.mass / own(*index)? - 1.0);
     let value = hosts.iter().filter_map(ratio).reduce(|a, b| if b.abs() > a.abs() { b } else { a });
-    let is_on = value.is_some_and(|value| value != 0.0);
+    let is_on = value.is_some_and(|value| value.abs() > ROUNDING);
     let other = subject.rebuilt(|scene| {
         for index in &hosts {
             if let (Some(own), Some(body)) = (own(*index), scene.spec.particles.get_mut(*index)) {
@@ -283,6 +287,8 @@ pub fn host_mass(subject: &BaselineRun<'_>) -> LedgerEntry {
     let (trial, failed) = against(subject, other, is_on);
     let reason = if is_on {
         format!("on by the scene's host_mass{failed}")
+    } else if value.is_none() {
+        "each particle of the kind has a sensor: its own mass is not known".to_owned()
     } else {
         format!(
             "no host_mass in the scene; compared with hosts {} % heavier{failed}",

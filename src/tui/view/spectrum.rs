@@ -10,7 +10,6 @@ use super::layout::ScreenLayout;
 use super::readout::compact;
 use super::sheet::{Diagram, DiagramAxis};
 use super::{colour, colour_of, message};
-use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::spectrum::Spectrum;
 use crate::tui::model::{Palette, ScreenState};
 
@@ -20,11 +19,6 @@ const DECIBEL_RANGE: f64 = 80.0;
 const DECIBELS_PER_TONE: f64 = 10.0;
 /// Tones of the map, from little to much.
 const TONES: [&str; 5] = [" ", "░", "▒", "▓", "█"];
-
-/// The chain's edges with their names (Hz).
-fn edges(chain: &DiatomicChain) -> [(&'static str, f64); 3] {
-    [("f1", chain.gap_bottom()), ("f2", chain.gap_top()), ("f3", chain.cutoff())]
-}
 
 /// The name of the signal, and the band edges.
 fn heading(model: &ScreenState, what: &str) -> Line<'static> {
@@ -36,11 +30,15 @@ fn heading(model: &ScreenState, what: &str) -> Line<'static> {
     match &model.derived().chain {
         Some(chain) => {
             let gap = Style::new().fg(colour(model.palette(), Color::LightRed));
-            for (name, edge) in edges(chain) {
+            for (name, edge) in chain.edges() {
                 parts.push(Span::styled(format!("{name} {}  ", compact(edge, "Hz", 4)), gap));
             }
             let zoomed = model.is_band_zoomed();
-            parts.push(Span::raw(if zoomed { "z: all" } else { "gap f1-f2" }));
+            parts.push(Span::raw(match (zoomed, chain.has_gap()) {
+                (true, _) => "z: all",
+                (false, true) => "gap f1-f2",
+                (false, false) => "no gap",
+            }));
         }
         None => parts.push(Span::raw("no band edges: the chain around this sensor is not known")),
     }
@@ -81,12 +79,12 @@ pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame
         .enumerate()
         .map(|(bin, amplitude)| (bin as f64 * spectrum.step, 20.0 * amplitude.log10()));
     sheet.line(points, line);
-    for (_, edge) in chain.iter().flat_map(|chain| edges(chain)) {
+    for (_, edge) in chain.iter().flat_map(|chain| chain.edges()) {
         sheet.upright(edge, edge_colour);
     }
     sheet.draw(colour(palette, Color::Gray), frame);
     let bold = Style::new().fg(edge_colour).add_modifier(Modifier::BOLD);
-    for (name, edge) in chain.iter().flat_map(|chain| edges(chain)) {
+    for (name, edge) in chain.iter().flat_map(|chain| chain.edges()) {
         sheet.write((edge, high), name, bold, frame);
     }
     let head = heading(model, &format!("Spectrum |X|/M, dB re 1 {},", spectrum.unit));
@@ -126,7 +124,7 @@ pub(super) fn map(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame)
         }
     }
     let edge = Style::new().fg(colour(palette, Color::LightRed)).add_modifier(Modifier::BOLD);
-    for (name, frequency) in chain.iter().flat_map(|chain| edges(chain)) {
+    for (name, frequency) in chain.iter().flat_map(|chain| chain.edges()) {
         let inside = (shown.0..=shown.1).contains(&frequency);
         if let Some((_, y)) = sheet.cell(*start, frequency).filter(|_| inside) {
             let line = format!("{name}{}", "╌".repeat(usize::from(inner.width / 8)));

@@ -51,6 +51,23 @@ fn sines_between_bins() {
     }
 }
 
+/// A pulse and its echo after 1.37 ms: `|X|` is that of one pulse times `2 |cos(pi f 1.37 ms)|`, whose maxima are 730 Hz apart, and all are listed.
+#[test]
+fn lines_of_a_pulse_and_its_echo_are_all_listed() {
+    let pulse = |t: f64| (-(t / 20e-6).powi(2)).exp();
+    let trace = sampled(2500, 1e-6, |t| pulse(t - 0.3e-3) + pulse(t - 1.67e-3));
+    let spectrum =
+        Analyser::new().spectrum(&trace, &SpectrumSettings::default()).expect("a spectrum");
+    let mut found: Vec<f64> = spectrum.peaks(0.3).iter().map(|peak| peak.frequency).collect();
+    found.sort_by(f64::total_cmp);
+    // The pulse's own spectrum falls to 0.3 of its height at 17.5 kHz.
+    assert!(found.len() >= 20, "{found:?}");
+    for (frequency, number) in found.iter().zip(1_u32..) {
+        let expected = f64::from(number) / 1.37e-3;
+        assert!((frequency - expected).abs() < 60.0, "{frequency} Hz, {expected} Hz");
+    }
+}
+
 /// A sine on a bin: `|X|/M` is half its amplitude there, exactly, and zero on all bins a multiple of the padding away.
 #[test]
 fn a_sine_on_a_bin_has_half_its_amplitude() {

@@ -27,6 +27,23 @@ fn without_arguments_it_records_the_default_scene() {
     );
 }
 
+/// Each shot's trigger is another fraction of a sample late; times in the recording are in the order of the shots.
+#[test]
+fn shots_come_in_their_order() {
+    let folder = temporary();
+    let run = [&["run", "-o", "shots.mcap", "--shots", "6"][..], &QUICK].concat();
+    printed(folder.path(), &run);
+    let page: Value =
+        serde_json::from_str(&printed(folder.path(), &["info", "shots.mcap", "--json"]))
+            .expect("JSON");
+    let of = |key: &str| -> Vec<u64> {
+        let shots = page["shots"].as_array().expect("a list").iter();
+        shots.map(|shot| shot[key].as_u64().expect("a number")).collect()
+    };
+    assert_eq!(of("number"), [1, 2, 3, 4, 5, 6]);
+    assert!(of("timestamp_ns").is_sorted());
+}
+
 #[test]
 fn a_second_run_overwrites_nothing() {
     let folder = temporary();

@@ -81,7 +81,7 @@ fn what_is_no_recording_is_refused_by_name() {
     std::fs::write(path("nothing").join("readme.txt"), "x").expect("a file");
 
     assert!(matches!(open(&path("notes.pdf")), Err(OpenError::UnknownFormat { .. })));
-    assert!(matches!(open(&path("absent")), Err(OpenError::File { .. })));
+    assert!(matches!(open(&path("absent")), Err(OpenError::Missing { .. })));
     assert!(matches!(open(&path("absent.csv")), Err(OpenError::File { .. })));
     assert!(matches!(open(&path("absent.mcap")), Err(OpenError::Mcap(ReadError::File { .. }))));
     assert!(matches!(open(&path("folder.mcap")), Err(OpenError::Mcap(ReadError::File { .. }))));

@@ -1,5 +1,6 @@
 //! Materials: densities, numbers of shipped ones changed, and mistakes that are answered.
 
+use hertzscope::note::Note;
 use hertzscope::scene::Scene;
 
 /// A ball of 10 mm.
@@ -34,13 +35,31 @@ fn masses_follow_from_density_and_shape() {
     for (body, mass) in [(&scene.spec.particles[0], 4.0893e-3), (striker, 1.3305e-3)] {
         assert!((body.mass / mass - 1.0).abs() < 1e-4, "{}", body.mass);
     }
-    assert!(scene.notes.is_empty(), "{:?}", scene.notes);
+    assert!(mass_notes(&scene).is_empty(), "{:?}", scene.notes);
+}
+
+fn mass_notes(scene: &Scene) -> Vec<Note> {
+    let notes = scene.notes.iter().filter(|note| note.code == "mass_not_of_its_material");
+    notes.cloned().collect()
+}
+
+/// Balls on a wall without a word on gravity, and balls of nearly a metre.
+#[test]
+fn a_missing_weight_and_a_large_ball_are_noted() {
+    let codes = |scene: &Scene| scene.notes.iter().map(|note| note.code).collect::<Vec<_>>();
+    let ball = "material = \"steel_440c\"\ndiameter = \"9.5 mm\"";
+    let scene = scene(ball, "").expect("a scene");
+    assert_eq!(codes(&scene), ["gravity_off"]);
+    let told = "[effects.gravity]\nacceleration = \"9.81 m/s^2\"\nstate = \"off\"";
+    assert_eq!(codes(&self::scene(ball, told).expect("a scene")), [""; 0]);
+    let large = self::scene(&ball.replace("9.5", "950"), told).expect("a scene");
+    assert!(codes(&large).contains(&"large_body"), "{:?}", large.notes);
 }
 
 #[test]
 fn a_mass_that_does_not_go_with_its_shape_is_noted() {
     let ball = "material = \"steel_440c\"\ndiameter = \"9.5 mm\"\nmass = ";
-    let notes = |mass: &str| scene(&format!("{ball}\"{mass}\""), "").expect("a scene").notes;
+    let notes = |mass: &str| mass_notes(&scene(&format!("{ball}\"{mass}\""), "").expect("a scene"));
     assert!(notes("3.5 g").is_empty());
     let [note] = &notes("3.5 kg")[..] else { panic!("one note") };
     assert!(

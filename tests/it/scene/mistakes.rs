@@ -188,7 +188,7 @@ fn numbers_without_unit_and_units_of_something_else() {
             "mass = ¦0.61",
             "striker.mass",
             "0.61 without a unit",
-            "like \"0.61 kg\"",
+            "like \"0.61 g\"",
         ],
         ["mass = \"0.61 g\"", "mass = ¦\"0.61\"", "striker.mass", "a plain number", "a mass (kg)"],
         [
@@ -395,7 +395,7 @@ fn a_chain_that_cannot_stand() {
             "top = \"free\"",
             "top = ¦{ wall = \"alumina\" }",
             "chain.top",
-            "both a striker and a wall are at the top: leave one away",
+            "both a striker and a wall are at the top: leave one out",
             "",
         ],
     ]);
