@@ -31,7 +31,7 @@ const MIN_PULSE_SHARE: f64 = 0.05;
 pub struct Arrival {
     /// `half_rise`, `peak`, `ten_percent` or `maximum_slope`.
     pub estimator: &'static str,
-    /// Time after the trigger, seconds; none where it cannot be told.
+    /// Time after the trigger, which is known to a sample interval, seconds; none where it cannot be told.
     pub time_s: Option<Uncertain>,
 }
 
@@ -272,9 +272,16 @@ fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArriva
         let u = height.u.hypot(height.value * scale_u) / sensitivity;
         Uncertain { value, u, half_width: value.abs() * limit }
     });
+    // The signal crossed the trigger's level somewhere in the sample interval before the record's zero.
+    let interval = capture.waveform.preamble.x_incr;
+    let after_trigger = |time: Uncertain| Uncertain {
+        u: time.u.hypot(interval / 3f64.sqrt()),
+        half_width: interval,
+        ..time
+    };
     let arrival = |estimator: Estimator| Arrival {
         estimator: estimator.key(),
-        time_s: pulse.as_ref().and_then(|pulse| pulse.arrival(estimator)),
+        time_s: pulse.as_ref().and_then(|pulse| pulse.arrival(estimator)).map(after_trigger),
     };
     let channel = ChannelArrivals {
         channel: capture.waveform.source.to_string(),

@@ -20,7 +20,7 @@ use crate::recording::format::open_with;
 use crate::recording::tek_csv::TableColumns;
 use crate::recording::{Capture, TraceSet};
 use crate::scene::hexadecimal;
-use crate::scene::plan::{CalibrationPlan, PlanError, PlannedImpact};
+use crate::scene::plan::{CalibrationPlan, INPUT, PlanError, PlannedImpact};
 use crate::scene::problem::Problem;
 use plausibility::speed;
 use words::RecordingEvidence;
@@ -64,6 +64,7 @@ pub fn run(plan: &CalibrationPlan, columns: &TableColumns) -> Result<Calibrated,
     if plan.gain.is_none() {
         problems.extend(another_chain(plan, &evidence));
     }
+    problems.extend(another_load(plan, &evidence));
     if !problems.is_empty() {
         return Err(PlanError::Problems(problems).into());
     }
@@ -86,6 +87,16 @@ fn another_chain(plan: &CalibrationPlan, evidence: &[RecordingEvidence]) -> Opti
     let expected =
         format!("{}, as before: in_chain = true holds for one channel at one range", words(first));
     Some(place.problem("impacts.recording", found, expected))
+}
+
+/// A dividing probe is another load than the scope's own input, and with it the time constant is another: the first impact with one.
+fn another_load(plan: &CalibrationPlan, evidence: &[RecordingEvidence]) -> Option<Problem> {
+    let is_own_input = plan.charge_amplifier.is_none() && plan.load == INPUT;
+    let divides = |proof: &RecordingEvidence| is_own_input && proof.probe > 1.0;
+    let place = evidence.iter().position(divides)?;
+    let found = format!("a probe of {} x in the recording", evidence.get(place)?.probe);
+    let expected = "input_resistance and input_capacitance of that probe under [scope], e.g. \"10 MOhm\" and \"13 pF\"";
+    Some(plan.impacts.get(place)?.place.problem("impacts.recording", found, expected.to_owned()))
 }
 
 /// A capture as the calibration takes it; none for a record over frequency or in another unit than volts.
@@ -118,7 +129,8 @@ fn strike(
         Some((c, record(c, window)?))
     }) else {
         let names: Vec<String> = shot.captures.iter().map(name).collect();
-        let found = format!("channels {} in {}", names.join(", "), file.display());
+        let names = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+        let found = format!("channels {names} in {}", file.display());
         return Err(problem(found, &format!("{} over time", impact.channel)));
     };
     let sha256 = hash(file, &opened)

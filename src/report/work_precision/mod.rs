@@ -16,6 +16,10 @@ use terminal::plot;
 /// How many of these the terminal shows: the others are in the table of what `--accuracy` chooses.
 const TERMINAL_PLOTS: usize = 2;
 
+/// Explanation of the methods' table.
+const METHOD_LEGEND: &str = "failed: runs that ended in an error or lost a pulse; given up: runs that would take too many evaluations; uncorrected: without the \
+    correction where contacts open and close, drawn in pictures only; errors below the reference's own, last line, are not resolved";
+
 /// The page that `cost` prints: what accuracy costs in time, then errors against `work`; in `colour` for a terminal.
 pub fn work_precision(study: &CostStudy, work: WorkMeasure, colour: bool) -> String {
     let mut lines = vec![format!("{}: what accuracy costs in time", study.scene)];
@@ -45,6 +49,7 @@ pub fn work_precision(study: &CostStudy, work: WorkMeasure, colour: bool) -> Str
         ]);
     }
     lines.extend(table::lines(&rows, &[0]));
+    lines.extend(wrapped(METHOD_LEGEND, TERMINAL_WIDTH));
     lines.push(String::new());
     lines.extend(sources(study));
     lines.extend(hanging_indent("reference: ", &reference(study)));
@@ -135,7 +140,7 @@ fn choices(study: &CostStudy) -> Vec<String> {
         lines.push(line);
     }
     lines.extend(wrapped(
-        "asked: --accuracy; errors relative, of traces relative to the largest force; time: median of one run, with the scope and what it records; with checks: and the runs that estimate its error; speed: simulated over wall time",
+        "asked: --accuracy; errors relative, of traces relative to the largest force; time: median of one run, with the scope and what it records; with checks: and the runs that estimate its error; speed: simulated over wall time; row above: time over that of the row above",
         TERMINAL_WIDTH,
     ));
     let level = study.level.map(|level| format!("one scope level is {level:.1e} of a first peak"));

@@ -22,7 +22,7 @@ const FREE_FALL: f64 = 9.806_65;
 /// How far it is from there at sea level at most, from 9.780 at the equator to 9.832 at the poles, relative (1).
 const LATITUDES: f64 = 0.0027;
 /// The input of a scope of this family.
-const INPUT: Load = Load { resistance: 1e6, capacitance: 20e-12 };
+pub const INPUT: Load = Load { resistance: 1e6, capacitance: 20e-12 };
 /// Draws of the Monte-Carlo part.
 const DRAWS: u64 = 200_000;
 

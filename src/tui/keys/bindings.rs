@@ -274,14 +274,15 @@ const BENCH: &[Binding] = &[
         "trigger level, edge, mode; or wheel, click on it",
     ),
     binding(
-        (BindingScope::Scope, "C P W X"),
+        (BindingScope::Scope, "C P W X Y"),
         &[
             (letter('C'), Action::Coupling),
             (letter('P'), Action::Probe),
             (letter('W'), Action::Bandwidth),
             (letter('X'), Action::TriggerSource),
+            (letter('Y'), Action::Acquisition),
         ],
-        "coupling, probe, bandwidth limit; trigger source",
+        "coupling, probe, bandwidth; trigger source; averages",
     ),
 ];
 

@@ -133,4 +133,6 @@ pub enum Action {
     Bandwidth,
     /// The next trigger source.
     TriggerSource,
+    /// The next acquisition mode, or number of averages.
+    Acquisition,
 }

@@ -4,7 +4,7 @@ use super::ScreenState;
 use super::knobs::{pending, typed};
 use super::live_state::TunedSettings;
 use super::state::{Page, RunState};
-use crate::scope::{Slope, Source, TriggerMode, Waveform};
+use crate::scope::{AcquireMode, Slope, Source, TriggerMode, Waveform};
 use crate::tui::axis::{DIVISIONS_UP, Steps, TurnDirection, Vertical, ViewWindow, is_spectrum};
 
 /// A division in so many presses of a position key (1).
@@ -209,6 +209,41 @@ impl ScreenState {
             self.notice = Some(format!("trigger source {next}"));
             self.set_value(path.to_owned(), next);
         }
+    }
+
+    /// The next way to take records: samples, peaks, averages of ever more shots.
+    pub(super) fn next_acquisition(&mut self) {
+        if self.bench().is_none() {
+            return;
+        }
+        let Some(scope) = self.scope() else { return };
+        let averages = scope.model.limits.averages.clone();
+        let set = |path: &str| self.live.as_ref()?.settings().get(path).cloned();
+        let mode = set("scope.acquisition").unwrap_or_else(|| {
+            match scope.acquisition.mode {
+                AcquireMode::Sample => "sample",
+                AcquireMode::PeakDetect => "peak detect",
+                AcquireMode::Average => "average",
+            }
+            .to_owned()
+        });
+        let now = set("scope.averages").and_then(|number| number.parse().ok());
+        let now: u32 = now.unwrap_or(scope.acquisition.averages);
+        let (mode, number) = match mode.as_str() {
+            "sample" => ("peak detect", None),
+            "peak detect" => ("average", averages.first().copied()),
+            _ => match averages.into_iter().find(|number| *number > now) {
+                Some(number) => ("average", Some(number)),
+                None => ("sample", None),
+            },
+        };
+        if let Some(number) = number {
+            self.notice = Some(format!("average of {number}"));
+            self.set_value("scope.averages".to_owned(), number.to_string());
+        } else {
+            self.notice = Some(mode.to_owned());
+        }
+        self.set_value("scope.acquisition".to_owned(), mode.to_owned());
     }
 
     /// The selected channel's next probe.

@@ -94,6 +94,7 @@ impl LiveBench {
             for (key, value) in pairs {
                 let _ = match value {
                     "true" | "false" => writeln!(text, "{key} = {value}"),
+                    number if number.parse::<u64>().is_ok() => writeln!(text, "{key} = {number}"),
                     _ => writeln!(text, "{key} = {value:?}"),
                 };
             }

@@ -122,6 +122,8 @@ fn command(path: &str, value: &str) -> Option<String> {
     let header = match path {
         "scope.time_base" => "HOR:MAI:SCA".to_owned(),
         "scope.position" => "HOR:MAI:POS".to_owned(),
+        "scope.acquisition" => "ACQ:MOD".to_owned(),
+        "scope.averages" => "ACQ:NUMAV".to_owned(),
         "scope.trigger.level" => "TRIG:MAI:LEV".to_owned(),
         "scope.trigger.slope" => "TRIG:MAI:EDGE:SLO".to_owned(),
         "scope.trigger.mode" => "TRIG:MAI:MOD".to_owned(),
@@ -149,7 +151,9 @@ fn command(path: &str, value: &str) -> Option<String> {
             if value == "true" { "ON" } else { "OFF" }.to_owned()
         }
         // A word, and nothing that would begin another command.
-        Err(_) if value.chars().all(char::is_alphanumeric) => value.to_uppercase(),
+        Err(_) if value.chars().all(|c| c.is_alphanumeric() || c == ' ') => {
+            value.replace(' ', "").to_uppercase()
+        }
         Err(_) => return None,
     };
     Some(format!(":{header} {value}"))
@@ -165,6 +169,8 @@ mod tests {
             ("scope.ch2.scale", "500 mV/div", Some(":CH2:SCA 5E-1")),
             ("scope.position", "-1.5 ms", Some(":HOR:MAI:POS -1.5E-3")),
             ("scope.trigger.slope", "fall", Some(":TRIG:MAI:EDGE:SLO FALL")),
+            ("scope.acquisition", "peak detect", Some(":ACQ:MOD PEAKDETECT")),
+            ("scope.averages", "16", Some(":ACQ:NUMAV 1.6E1")),
             ("scope.ch4.coupling", "AC", Some(":CH4:COUP AC")),
             ("scope.ch1.bandwidth_limit", "true", Some(":CH1:BANDWID ON")),
             ("striker.mass", "0.61 g", Some(":BENC:STRI:MASS 6.1E-4")),

@@ -73,6 +73,7 @@ pub fn update(model: &mut ScreenState, action: Action) {
         Action::Probe => model.next_probe(),
         Action::Bandwidth => model.switch_bandwidth_limit(),
         Action::TriggerSource => model.next_trigger_source(),
+        Action::Acquisition => model.next_acquisition(),
         Action::NextKnob(turn) => model.next_knob(turn),
         Action::TurnKnob(turn) => model.turn_knob(turn),
         Action::Switch => model.switch_effect(),

@@ -45,6 +45,22 @@ fn gravity_has_an_uncertainty() {
     assert!(told.contains("gravity_u"), "{told}");
 }
 
+/// Records through a dividing probe, and a plan that has the scope's own input as the load: 10 MOhm beside 1 MOhm, another time constant.
+#[test]
+fn a_probe_that_the_plan_does_not_know_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    write(folder.path(), |plan| plan);
+    let file = folder.path().join("impact-1.mcap");
+    let mut set = mcap::read(&file).expect("a recording");
+    for shot in &mut set.shots {
+        shot.captures.iter_mut().for_each(|capture| capture.waveform.vertical.probe = 10.0);
+    }
+    mcap::write(&file, &set).expect("a recording");
+    let refused = hertzscope(folder.path(), &["calibrate", "plan.toml", "--quiet"]).code(2);
+    let told = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+    assert!(told.contains("a probe of 10 x") && told.contains("input_resistance"), "{told}");
+}
+
 /// Readings that scatter more than their stated uncertainties: 400 calibrations each, whose coverage scatters by 1.1 %.
 #[test]
 fn intervals_hold_where_impacts_scatter_more_than_stated() {

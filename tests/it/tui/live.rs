@@ -6,7 +6,7 @@ use std::time::Duration;
 use super::bench::{after, draw};
 use hertzscope::recording::TraceSet;
 use hertzscope::scene::Scene;
-use hertzscope::scope::{Coupling, Source, TriggerSource};
+use hertzscope::scope::{AcquireMode, Coupling, Source, TriggerSource};
 use hertzscope::tui::axis::TurnDirection;
 use hertzscope::tui::model::knobs::BenchKnob;
 use hertzscope::tui::model::{
@@ -323,6 +323,21 @@ fn values_are_typed_completed_and_brought_back() {
     session.act(&[Action::Complete]);
     assert_eq!(session.model.prompt(), "compare magnet-0.61g ");
     session.act(&[Action::Back]);
+}
+
+#[test]
+fn acquisition_mode_and_averages_are_controls() {
+    let mut session = Session::bench("magnet-0.61g");
+    let mut seen = Vec::new();
+    for _ in 0..7 {
+        let acquisition = scene(&session).scope.acquisition;
+        seen.push((acquisition.mode, acquisition.depth()));
+        session.act(&[Action::Acquisition]);
+    }
+    let averages = [4, 16, 64, 128].map(|number| (AcquireMode::Average, number));
+    assert_eq!(seen[..2], [(AcquireMode::Sample, 1), (AcquireMode::PeakDetect, 1)]);
+    assert_eq!(seen[2..6], averages);
+    assert_eq!(seen[6], (AcquireMode::Sample, 1));
 }
 
 #[test]
