@@ -7,6 +7,7 @@
 pub mod analysis;
 pub mod chain;
 pub mod cli;
+pub mod client;
 pub mod data;
 pub mod experiment;
 pub mod files;

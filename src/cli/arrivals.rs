@@ -6,6 +6,7 @@ use anyhow::Context as _;
 use clap::Args;
 use serde_json::json;
 
+use super::acquire::one_shot;
 use super::input::{ReadingArguments, no_capture};
 use super::picture;
 use crate::files;
@@ -18,7 +19,7 @@ use crate::report;
 /// Show when the first pulse arrived at each channel, its speed, and how well shots repeat; with uncertainties
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A recording (.mcap), a scope's file (.csv, .isf), or a folder of them
+    /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them, or a scope's address, which is asked for one shot
     file: PathBuf,
     #[command(flatten)]
     reading: ReadingArguments,
@@ -50,7 +51,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     };
     match reading.selection.shot() {
         Some(number) => take(reading.table.open_shot(&arguments.file, number)?)?,
-        None => for_each_shot(&arguments.file, &reading.table.columns(), take)?,
+        None => match one_shot(&arguments.file)? {
+            Some(set) => take(set)?,
+            None => for_each_shot(&arguments.file, &reading.table.columns(), take)?,
+        },
     }
     if surveys.is_empty() {
         return Err(no_capture(&problems));

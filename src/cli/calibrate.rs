@@ -7,8 +7,10 @@ use clap::Args;
 use serde_json::json;
 
 use super::AnswerIsNo;
+use super::acquire::one_shot;
 use super::input::TableArguments;
 use super::progress::JobProgress;
+use crate::client::Address;
 use crate::files::{self, NewFolder};
 use crate::measurement::calibration::{self, Calibrated, sensor_file};
 use crate::quantity::{Dimension, parse};
@@ -16,14 +18,15 @@ use crate::recording::mcap;
 use crate::report::calibration::page;
 use crate::report::calibration_design::design_page;
 use crate::report::certificate::{certificate, pictures};
-use crate::scene::plan;
+use crate::scene::plan::{self, CalibrationPlan};
 use crate::studies::momentum_test::coverage::coverage;
 use crate::studies::momentum_test::design::{Designer, LabUncertainties, TestDesign, strikers};
 
 /// Calibrate a sensor from the momentum of impacts: sensitivity, time constant, uncertainty budget, certificate
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Plan (TOML): recordings, and the striker's masses and speeds with their uncertainties; `hertzscope help plan` shows one
+    /// Plan (TOML): recordings, and the striker's masses and speeds with their uncertainties; an impact whose recording is a scope's address is
+    /// recorded now; `hertzscope help plan` shows one
     #[arg(required_unless_present = "simulate")]
     plan: Option<PathBuf>,
     /// Instead, design the calibration of this sensor (a name or a file): simulates it over strikers, drop heights, V/div and s/div, and
@@ -75,7 +78,8 @@ fn share(text: &str) -> Result<f64, String> {
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let Some(plan) = &arguments.plan else { return simulate(arguments) };
-    let plan = plan::load(plan)?;
+    let mut plan = plan::load(plan)?;
+    acquire_impacts(&mut plan)?;
     let found = calibration::run(&plan, &arguments.table.columns())?;
     let refused = !found.report.contradictions.is_empty() && !arguments.force;
     if let Some(folder) = arguments.output.as_ref().filter(|_| !refused) {
@@ -96,6 +100,25 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     if let Some(folder) = &arguments.output {
         super::print(&format!("  certificate {}", folder.join("certificate.md").display()))?;
+    }
+    Ok(())
+}
+
+/// Records each impact that the plan names a scope's address for; the recordings stay beside the plan.
+fn acquire_impacts(plan: &mut CalibrationPlan) -> anyhow::Result<()> {
+    let count = plan.impacts.len();
+    for (number, impact) in (1..).zip(&mut plan.impacts) {
+        if Address::recognise(&impact.recording.to_string_lossy())?.is_none() {
+            continue;
+        }
+        let striker = plan.strikers.get(impact.striker).map_or("", |(name, _)| name.as_str());
+        super::say(&format!("impact {number} of {count}, striker {striker}"));
+        let Some(set) = one_shot(&impact.recording)? else { continue };
+        let stem = plan.file.file_stem().unwrap_or_default().to_string_lossy();
+        let file = plan.file.with_file_name(format!("{stem}-impact-{number}.mcap"));
+        impact.recording = mcap::write_numbered(&file, &set)?;
+        impact.shot = 1;
+        super::say(&format!("impact {number} of {count}: {}", impact.recording.display()));
     }
     Ok(())
 }

@@ -8,6 +8,7 @@ use clap::{Args, ValueEnum};
 
 use super::budget::DrawArguments;
 use super::input::{Selection, TableArguments, assignment, shot};
+use super::overwrite::ending;
 use super::progress::JobProgress;
 use super::sensor::{SensorAssignment, wire_all, wired};
 use crate::experiment::accuracy::of_scene;
@@ -26,7 +27,7 @@ use crate::studies::uncertainty::{NormalisedError, normalised_errors};
 /// Compare a measurement with a simulation: scores for each channel; exit code 1 where they exceed the tolerance
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A recording (.mcap), a scope's file (.csv, .isf), or a folder of them
+    /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them, or a scope's address (see `acquire`), which is asked for one shot
     measured: PathBuf,
     /// A simulated recording, file or folder, or a scene to run (included, or a .toml file)
     simulated: String,
@@ -88,6 +89,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         ending(file, &["md", "html", "mcap"])?;
     }
     let number = arguments.selection.single();
+    if Format::of(Path::new(&arguments.simulated)).is_none() {
+        // A wrong scene is told before a scope is waited for.
+        Scene::load(&arguments.simulated)?;
+    }
     let mut set = arguments.table.open_shot(&arguments.measured, number)?;
     arguments.selection.keep_channels(&mut set)?;
     wire_all(&mut set, &arguments.sensor)?;
@@ -177,15 +182,6 @@ impl Simulation {
         let set = TraceSet { shots: vec![outcome?.shot], metadata, ..TraceSet::default() };
         Ok(Self { set, shot: 1, scene: Some(scene) })
     }
-}
-
-/// A file's ending, which is to be one of `known`.
-pub fn ending<'a>(file: &Path, known: &[&'a str]) -> anyhow::Result<&'a str> {
-    let found = file.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
-    let Some(ending) = known.iter().find(|known| Some(**known) == found.as_deref()) else {
-        bail!("{}: found no known ending, expected .{}", file.display(), known.join(", ."));
-    };
-    Ok(ending)
 }
 
 /// Writes a document; pictures of a Markdown one lie beside it.

@@ -6,9 +6,9 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 
 use super::AnswerIsNo;
-use super::compare::{ending, write_document};
+use super::compare::write_document;
 use super::input::{Selection, TableArguments, assignment, shot};
-use super::overwrite::OverwriteArguments;
+use super::overwrite::{OverwriteArguments, ending};
 use super::progress::JobProgress;
 use crate::analysis::gate::Gate;
 use crate::files;
@@ -25,10 +25,11 @@ use crate::scene::{LOOSEST_ACCURACY, TIGHTEST_ACCURACY};
 #[derive(Debug, Args)]
 #[allow(clippy::struct_excessive_bools, reason = "switches of a command line")]
 pub struct Arguments {
-    /// A recording (.mcap), a scope's file (.csv, .isf) or a folder of them, then the scene; with --blind, only the scene
+    /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them, or a scope's address for one shot, then the scene; with --blind,
+    /// only the scene
     #[arg(value_names = ["MEASURED", "SCENE"], num_args = 1..=2, required = true)]
     inputs: Vec<String>,
-    /// Parameters to fit, by their paths in the scene, e.g. striker.speed,materials.*.youngs_modulus; * matches any name, PATH=VALUE sets
+    /// Parameters to fit, by their paths in the scene, e.g. `striker.speed,materials.*.youngs_modulus`; * matches any name, PATH=VALUE sets
     /// the start
     #[arg(long, value_name = "PATHS", value_delimiter = ',', required = true)]
     free: Vec<String>,
@@ -178,9 +179,9 @@ fn run_fit(
     options: &FitOptions,
 ) -> anyhow::Result<()> {
     let number = arguments.selection.single();
+    let (scene, knobs) = freed(arguments, scene)?;
     let mut set = arguments.table.open_shot(Path::new(measured), number)?;
     arguments.selection.keep_channels(&mut set)?;
-    let (scene, knobs) = freed(arguments, scene)?;
     let shot = shot(&set, measured, number)?;
     let side = ComparedShot { name: measured, set: &set, shot, scene: None };
     let mut progress = JobProgress::new("fit", arguments.quiet);

@@ -38,6 +38,7 @@ const GROUPS: [(&str, &[Guide]); 5] = [
     (
         "Records, simulated or measured",
         &[
+            guide("acquire", "acquire tcp://127.0.0.1:5025 -o day.mcap --shots 10", "acquire.md"),
             guide("info", "info F0000CH1.CSV", "measurements.md"),
             guide("convert", "convert ALL0000 day.mcap --scene magnet-0.61g", "measurements.md"),
             guide("arrivals", "arrivals day.mcap -o statistics.csv", "measurements.md"),

@@ -7,6 +7,7 @@ use std::path::Path;
 use anyhow::{anyhow, bail};
 use clap::Args;
 
+use super::acquire::one_shot;
 use super::sensor::{SensorAssignment, wire_all, wired};
 use crate::experiment::facts;
 use crate::measurement::compare::mapping::Assignment;
@@ -14,7 +15,7 @@ use crate::measurement::force::count_gains;
 use crate::measurement::metadata::{self, RecordedDistance};
 use crate::quantity::coverage::NORMAL_95;
 use crate::quantity::{Dimension, Uncertain, parse};
-use crate::recording::format::{OpenError, open_with, read_shot};
+use crate::recording::format::{open_with, read_shot};
 use crate::recording::tek_csv::TableColumns;
 use crate::recording::{Shot, TraceSet};
 use crate::scene::Scene;
@@ -33,9 +34,12 @@ pub struct TableArguments {
 }
 
 impl TableArguments {
-    /// Opens a recording, a file or a folder.
-    pub fn open(&self, path: &Path) -> Result<TraceSet, OpenError> {
-        open_with(path, &self.columns())
+    /// Opens a recording, a file or a folder, or takes one shot from the scope at an address.
+    pub fn open(&self, path: &Path) -> anyhow::Result<TraceSet> {
+        match one_shot(path)? {
+            Some(set) => Ok(set),
+            None => Ok(open_with(path, &self.columns())?),
+        }
     }
 
     /// The columns, or none where they are left to the file.
@@ -44,7 +48,7 @@ impl TableArguments {
     }
 
     /// The same, where only shot `number` is looked at: a large recording is not read at once.
-    pub fn open_shot(&self, path: &Path, number: u32) -> Result<TraceSet, OpenError> {
+    pub fn open_shot(&self, path: &Path, number: u32) -> anyhow::Result<TraceSet> {
         match read_shot(path, number)? {
             Some(set) => Ok(set),
             None => self.open(path),

@@ -3,6 +3,7 @@
 //! Exit code 0: done; 1: done, and the answer is no; 2: could not.
 
 mod accuracy;
+mod acquire;
 mod arrivals;
 mod bands;
 mod budget;
@@ -71,6 +72,7 @@ pub struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Run(run::Arguments),
+    Acquire(acquire::Arguments),
     Info(info::Arguments),
     Convert(convert::Arguments),
     Cost(cost::Arguments),
@@ -134,6 +136,7 @@ pub fn main() -> ExitCode {
     }
     let done = match command {
         Command::Run(arguments) => run::run(&arguments),
+        Command::Acquire(arguments) => acquire::run(&arguments),
         Command::Info(arguments) => info::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Cost(arguments) => cost::run(&arguments),

@@ -1,7 +1,8 @@
-//! Files that exist: none is replaced unless the user named it with `-o` or says `--force`.
+//! Output files: their endings, and those that exist. None is replaced unless the user named it with `-o` or says `--force`.
 //!
 //! `run` without `-o`, `serve --record` and `:write` replace nothing either: they take the next free number.
 
+use std::ffi::OsStr;
 use std::path::Path;
 
 use anyhow::bail;
@@ -32,4 +33,13 @@ impl OverwriteArguments {
         }
         Ok(())
     }
+}
+
+/// A file's ending, which is to be one of `known`.
+pub fn ending<'a>(file: &Path, known: &[&'a str]) -> anyhow::Result<&'a str> {
+    let found = file.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
+    let Some(ending) = known.iter().find(|known| Some(**known) == found.as_deref()) else {
+        bail!("{}: found no known ending, expected .{}", file.display(), known.join(", ."));
+    };
+    Ok(ending)
 }

@@ -42,7 +42,7 @@ pub struct Arguments {
     /// Random seed of noise, sampling phase and striker speed [default: the scene's]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Whether replies begin with the command's header, until a client sends HEADer
+    /// Whether replies begin with the command's header, until a client sends `HEADer`
     #[arg(long, value_enum, default_value_t = Switch::Off)]
     header: Switch,
 }

@@ -1,13 +1,15 @@
 //! `hertzscope view`: the scope's screen in the terminal.
 
 use std::io::IsTerminal as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::bail;
 use clap::Args;
 
 use super::input::{ReadingArguments, note_option};
+use super::overwrite::ending;
+use crate::client::Address;
 use crate::recording::format::Format;
 use crate::recording::mcap::indexed_recording::IndexedRecording;
 use crate::scene::Scene;
@@ -22,8 +24,8 @@ const MCAP_MAGIC_LENGTH: u64 = 8;
 /// Look at a recording on the scope's screen in the terminal, operate a simulated bench, or watch a served scope
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A recording (.mcap), a scope's file (.csv, .isf) or a folder of them; an included scene or a .toml file; or the address of a served
-    /// scope, HOST:PORT
+    /// A recording (.mcap), a scope's file (.csv, .isf) or a folder of them; an included scene or a .toml file; or the address of a served or
+    /// real scope, e.g. tcp://HOST:PORT (see `acquire`)
     what: String,
     /// Show each new shot of a recording that is still being written, or not yet begun; stepping back ends it, the key End goes on
     #[arg(long)]
@@ -33,17 +35,24 @@ pub struct Arguments {
     /// Compare with this recording, folder or scene
     #[arg(long, value_name = "WHAT")]
     against: Option<String>,
+    /// Record what a scope shows (.mcap), numbered if that exists
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    if let Some(address) = address(&arguments.what) {
+    if let Some(address) = Address::recognise(&arguments.what)? {
         if arguments.follow {
             bail!("{address}: found --follow, expected it with an .mcap recording");
         }
-        terminal()?;
-        let scope = ServedConnection::connect(address).map_err(anyhow::Error::msg)?;
-        let subject = ViewSource::Served(Box::new(scope));
-        return Ok(tui::run(subject, address.to_owned(), arguments.against.clone(), note_option)?);
+        return watch(arguments, &address);
+    }
+    if let Some(file) = &arguments.record {
+        bail!(
+            "--record {}: {} is no scope's address, e.g. tcp://127.0.0.1:5025; :write saves what is on screen",
+            file.display(),
+            arguments.what
+        );
     }
     let path = Path::new(&arguments.what);
     if arguments.follow && !path.exists() && path.extension().is_some_and(|e| e == "mcap") {
@@ -97,14 +106,20 @@ fn terminal() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// `HOST:PORT`, if `what` is that and no file.
-fn address(what: &str) -> Option<&str> {
-    if let Some(address) = what.strip_prefix("tcp://") {
-        return Some(address.trim_end_matches('/'));
+/// Shows a scope, served or real.
+fn watch(arguments: &Arguments, address: &Address) -> anyhow::Result<()> {
+    if let Some(file) = &arguments.record {
+        ending(file, &["mcap"])?;
     }
-    let (host, port) = what.rsplit_once(':')?;
-    let is_port = !host.is_empty() && port.parse::<u16>().is_ok();
-    (is_port && !Path::new(what).exists()).then_some(what)
+    terminal()?;
+    let mut scope = ServedConnection::connect(address).map_err(anyhow::Error::msg)?;
+    let file = arguments.record.as_deref().map(|file| scope.record(file)).transpose()?;
+    let subject = ViewSource::Served(Box::new(scope));
+    tui::run(subject, address.to_string(), arguments.against.clone(), note_option)?;
+    if let Some(file) = file {
+        super::print(&format!("recorded    {}", file.display()))?;
+    }
+    Ok(())
 }
 
 /// The bench of a scene, which is read here so that its problems are told before the screen is taken.

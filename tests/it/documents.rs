@@ -18,6 +18,9 @@ use page::{Block, Page, pages};
 /// The test command of the README, which executes this file.
 const THIS: &str = "tests/run";
 
+/// Where the pages have a scope served; the tests serve it on a port that is free.
+const SCOPE: &str = "127.0.0.1:5025";
+
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
@@ -35,6 +38,12 @@ fn folder() -> tempfile::TempDir {
 /// What a command printed, on both streams, or how it failed.
 fn printed(folder: &Path, command: &str) -> Result<String, String> {
     let command = command.replace("cargo run --release --", "hertzscope");
+    if command.contains(SCOPE) {
+        return interactive::with_scope(folder, |address| {
+            let printed = printed(folder, &command.replace(SCOPE, address))?;
+            Ok(printed.replace(address, SCOPE))
+        });
+    }
     let words: Vec<&str> = command.split_whitespace().take_while(|word| *word != "#").collect();
     match words[..] {
         [THIS, ..] => return Ok(String::new()),

@@ -16,6 +16,8 @@ mod at_rest;
 mod calibration;
 mod chains;
 mod cli;
+#[cfg(all(unix, feature = "server"))]
+mod client;
 mod compare;
 mod conservation;
 #[cfg(all(unix, feature = "server", feature = "tui"))]

@@ -44,7 +44,11 @@ impl Server {
         Self::serving(scene, ServerOptions::default(), None)
     }
 
-    fn serving(scene: Scene, options: ServerOptions, recording: Option<RecordingWriter>) -> Self {
+    pub fn serving(
+        scene: Scene,
+        options: ServerOptions,
+        recording: Option<RecordingWriter>,
+    ) -> Self {
         let port = || TcpListener::bind("127.0.0.1:0").expect("a port");
         let sockets = Sockets { raw: port(), hislip: Some(port()) };
         let address = sockets.raw.local_addr().expect("an address");
@@ -67,7 +71,7 @@ impl Server {
     }
 }
 
-fn connect(address: SocketAddr) -> Client {
+pub fn connect(address: SocketAddr) -> Client {
     let stream = TcpStream::connect(address).expect("a connection");
     stream.set_read_timeout(Some(LIMIT)).expect("a limit");
     stream.set_write_timeout(Some(LIMIT)).expect("a limit");
@@ -110,7 +114,7 @@ impl Client {
     }
 }
 
-fn scene() -> Scene {
+pub fn scene() -> Scene {
     let mut scene = Scene::load("magnet-0.61g").expect("the default scene");
     scene.accuracy = Some(1e-3);
     scene

@@ -22,7 +22,7 @@ pub enum SpeedMethod {
 /// One impact of a plan.
 #[derive(Debug, Clone)]
 pub struct PlannedImpact {
-    /// File or folder of its recording.
+    /// File or folder of its recording, or the address of a scope that is to record it.
     pub recording: PathBuf,
     /// Where the plan names it.
     pub place: SourceLocation,

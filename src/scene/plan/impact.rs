@@ -34,9 +34,17 @@ pub struct ImpactContext<'a> {
 
 /// Reads one of `[[impacts]]`.
 pub fn impact(table: &TableReader<'_>, context: &ImpactContext<'_>) -> Option<PlannedImpact> {
-    let recording = table.required_text("recording", "a file: .mcap, .csv, .isf, or a folder");
-    let path = recording.map(|name| context.file.parent().unwrap_or(Path::new("")).join(name));
+    let recording = table.required_text(
+        "recording",
+        "a file: .mcap, .csv, .isf, a folder, or the address of a scope, e.g. tcp://HOST:PORT",
+    );
+    let is_address = |name: &str| name.contains("://") || name.starts_with("serial:");
+    let path = recording.map(|name| match context.file.parent() {
+        Some(folder) if !is_address(name) => folder.join(name),
+        _ => name.into(),
+    });
     if let (Some(name), Some(path)) = (recording, &path)
+        && !is_address(name)
         && !path.exists()
     {
         let found = format!("\"{name}\", which does not exist");

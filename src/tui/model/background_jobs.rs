@@ -5,6 +5,7 @@ use super::state::{JobState, Overlay, Page, Request};
 use crate::measurement::compare::Compared;
 use crate::studies::cost::CostStudy;
 use crate::studies::effects::Ledger;
+use crate::studies::uncertainty::TraceBand;
 use crate::tui::axis::TurnDirection;
 
 /// The answer to a question, or how far it is.
@@ -12,6 +13,8 @@ use crate::tui::axis::TurnDirection;
 pub enum JobAnswer {
     /// To [`Request::Compare`].
     Comparison(JobState<Box<Compared>>),
+    /// The bands of an uncertain scene that is compared with; empty for others.
+    Bands(Vec<TraceBand>),
     /// To [`Request::Study`].
     Study(JobState<Box<CostStudy>>),
     /// To [`Request::Ledger`].
@@ -23,6 +26,7 @@ impl ScreenState {
     pub fn apply_answer(&mut self, answer: JobAnswer) {
         match answer {
             JobAnswer::Comparison(job) => self.questions.comparison = job,
+            JobAnswer::Bands(bands) => self.questions.bands = bands,
             JobAnswer::Study(job) => self.questions.study = job,
             JobAnswer::Ledger(job) => self.questions.ledger = job,
         }

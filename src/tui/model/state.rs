@@ -12,6 +12,7 @@ use crate::recording::Capture;
 use crate::scope::{Source, Waveform};
 use crate::studies::cost::CostStudy;
 use crate::studies::effects::Ledger;
+use crate::studies::uncertainty::TraceBand;
 
 /// A popup over the scope's screen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -238,6 +239,8 @@ impl<T> JobState<T> {
 pub struct BackgroundJobs {
     /// The shot on screen against a simulation.
     pub comparison: JobState<Box<Compared>>,
+    /// Where an uncertain simulation expects 95 % of its traces, on its own axis.
+    pub bands: Vec<TraceBand>,
     /// Work against precision.
     pub study: JobState<Box<CostStudy>>,
     /// Cost and change of each effect.
@@ -250,6 +253,7 @@ impl Default for BackgroundJobs {
     fn default() -> Self {
         Self {
             comparison: JobState::Idle,
+            bands: Vec::new(),
             study: JobState::Idle,
             ledger: JobState::Idle,
             effect: 0,

@@ -114,10 +114,19 @@ fn traces(
     let grid = colour(model.palette(), Color::DarkGray);
     let mut sheet =
         Diagram::new(area, times(&pair.measured), DiagramAxis::linear(low, high, "V"), grid);
+    let band = model.questions().bands.iter().find(|band| band.channel == score.against);
+    for edge in band.into_iter().flat_map(|band| [&band.low_v, &band.high_v].map(|v| (band, v))) {
+        let (band, values) = edge;
+        let at = |index: usize| band.start_s + score.shift_s + index as f64 * band.interval_s;
+        let line = values.iter().enumerate().map(|(index, value)| (at(index), *value));
+        sheet.line(line, grid);
+    }
     sheet.line(points(&pair.simulated), colour(model.palette(), Color::White));
     sheet.line(points(&pair.measured), source_colour(model, &score.name));
     sheet.draw(colour(model.palette(), Color::Gray), frame);
-    let text = format!("{} measured in colour, {} simulated in white", score.name, score.against);
+    let grey = if band.is_some() { ", its 95 % band in grey" } else { "" };
+    let text =
+        format!("{} measured in colour, {} simulated in white{grey}", score.name, score.against);
     sheet.write((pair.measured.start, high), &text, Style::new(), frame);
 }
 

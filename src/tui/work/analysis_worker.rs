@@ -11,6 +11,8 @@ use crate::measurement::compare::{Align, Compared, ComparedShot, compare};
 use crate::recording::format::{Format, open};
 use crate::recording::{Origin, Shot, TraceSet};
 use crate::scene::Scene;
+use crate::scene::adjust::Adjustable;
+use crate::studies::uncertainty::{SampleOptions, TraceBand, uncertain_prediction};
 use crate::studies::{cost, effects};
 use crate::tui::model::background_jobs::JobAnswer;
 use crate::tui::model::{JobState, ScreenState};
@@ -26,7 +28,8 @@ pub struct ComparisonRequest {
     other: Option<String>,
     name: String,
     set: TraceSet,
-    live: bool,
+    /// Whether a bench is on screen, which is simulated here.
+    is_bench: bool,
 }
 
 impl ComparisonRequest {
@@ -40,7 +43,12 @@ impl ComparisonRequest {
             attachments: set.attachments.clone(),
             ..TraceSet::default()
         };
-        Some(Self { other, name: model.title().to_owned(), set, live: model.live().is_some() })
+        Some(Self {
+            other,
+            name: model.title().to_owned(),
+            set,
+            is_bench: model.live().is_some_and(|live| live.served.is_none()),
+        })
     }
 }
 
@@ -48,6 +56,8 @@ impl ComparisonRequest {
 struct Other {
     name: String,
     set: TraceSet,
+    /// Whether it is a scene that states its uncertainty, whose bands are not computed yet.
+    needs_bands: bool,
 }
 
 impl Other {
@@ -55,7 +65,7 @@ impl Other {
         let path = Path::new(name);
         if Format::of(path).is_some() {
             let set = open(path).map_err(|error| with_reasons(&error))?;
-            return Ok(Self { name: name.to_owned(), set });
+            return Ok(Self { name: name.to_owned(), set, needs_bands: false });
         }
         let scene = Scene::load(name).map_err(|error| with_reasons(&error))?;
         let accuracy = of_scene(&scene).map_err(|error| with_reasons(&error))?.value;
@@ -65,7 +75,7 @@ impl Other {
         let attachments = vec![facts::scene_attachment(&scene)];
         let set =
             TraceSet { shots: vec![outcome.shot], metadata, attachments, ..TraceSet::default() };
-        Ok(Self { name: name.to_owned(), set })
+        Ok(Self { name: name.to_owned(), set, needs_bands: !scene.uncertainty.is_empty() })
     }
 }
 
@@ -80,6 +90,8 @@ pub fn comparer()
         let answer = guarded(|| {
             if let Some(name) = &asked.other {
                 other = Some(Other::of(name)?);
+                // Those of another scene are none of this one's.
+                let _ = news.send(ScreenEvent::Answer(JobAnswer::Bands(Vec::new())));
             }
             compared(&asked, other.as_ref().ok_or("there is nothing to compare with")?)
         });
@@ -87,7 +99,22 @@ pub fn comparer()
             answer.map_or_else(JobState::Failed, |compared| JobState::Done(Box::new(compared)));
         // The screen may be closed already.
         let _ = news.send(ScreenEvent::Answer(JobAnswer::Comparison(job)));
+        if let Some(other) = other.as_mut().filter(|other| other.needs_bands) {
+            other.needs_bands = false;
+            let event = match guarded(|| bands(&other.name)) {
+                Ok(bands) => ScreenEvent::Answer(JobAnswer::Bands(bands)),
+                Err(words) => ScreenEvent::Told(format!("no bands of {}: {words}", other.name)),
+            };
+            let _ = news.send(event);
+        }
     }
+}
+
+/// Where a scene's uncertainty puts its traces, as `run --bands` computes it.
+fn bands(scene: &str) -> Result<Vec<TraceBand>, String> {
+    let mut scene = Adjustable::load(scene).map_err(|error| with_reasons(&error))?;
+    let found = uncertain_prediction(&mut scene, SampleOptions::default(), true, &|_| ());
+    found.map(|found| found.bands).map_err(|error| with_reasons(&error))
 }
 
 /// The measurement is the one that was measured; of two of a kind, the one on screen, unless that is a bench.
@@ -99,7 +126,7 @@ fn compared(asked: &ComparisonRequest, other: &Other) -> Result<Compared, String
     let here_side = ComparedShot { name: &asked.name, set: &asked.set, shot: &here, scene: None };
     let there_side = ComparedShot { name: &other.name, set: &other.set, shot: &there, scene: None };
     let simulated_here = here.origin == Origin::Simulated && there.origin == Origin::Measured;
-    let (measured, simulated) = if asked.live || simulated_here {
+    let (measured, simulated) = if asked.is_bench || simulated_here {
         (there_side, here_side)
     } else {
         (here_side, there_side)

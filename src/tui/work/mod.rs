@@ -12,7 +12,7 @@ pub use news::{ScreenEvent, guarded, with_reasons};
 
 use std::io::IsTerminal as _;
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::thread;
+use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use ratatui::crossterm::event;
@@ -52,7 +52,7 @@ pub type NoteOption = fn(&mut TraceSet, BenchOption, &str) -> Result<(), String>
 pub struct Workers {
     news: Sender<ScreenEvent>,
     recording_worker: Option<Sender<usize>>,
-    served: Option<Sender<String>>,
+    served: Option<(Sender<String>, JoinHandle<()>)>,
     bench: Sender<StrikeRequest>,
     comparison: Sender<ComparisonRequest>,
     research: Sender<StudyRequest>,
@@ -133,7 +133,7 @@ impl Workers {
                     .is_none_or(|recording_worker| recording_worker.send(place).is_ok()),
                 Request::Strike(strike) => self.bench.send(strike).is_ok(),
                 Request::Send(command) => {
-                    self.served.as_ref().is_none_or(|scope| scope.send(command).is_ok())
+                    self.served.as_ref().is_none_or(|(scope, _)| scope.send(command).is_ok())
                 }
                 Request::Compare(other) => ComparisonRequest::of(model, other)
                     .is_none_or(|c| self.comparison.send(c).is_ok()),
@@ -167,6 +167,17 @@ impl Workers {
                 model
                     .set_notice("the thread that does this has stopped; please restart".to_owned());
             }
+        }
+    }
+}
+
+impl Drop for Workers {
+    /// Waits until the scope's replies are as they were before, and its recording is finished.
+    fn drop(&mut self) {
+        if let Some((orders, thread)) = self.served.take() {
+            drop(orders);
+            // A panic of the thread has been told.
+            let _ = thread.join();
         }
     }
 }

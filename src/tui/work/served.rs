@@ -5,20 +5,24 @@
 //! carries out as a whole, so that no other client reads a curve that it did not ask for.
 
 mod snapshot;
-mod socket;
 
 use std::io;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::thread;
+use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use super::{ScreenEvent, guarded, with_reasons};
+use crate::client::{
+    Address, Client, ClientTiming, PLAIN_REPLIES, ReplyForm, ShotRecorder, capture, identity,
+    records, wall_clock_time,
+};
+use crate::recording::mcap::{ShotNotes, WriteError};
 use crate::recording::set_file::SetFile;
-use crate::recording::{Capture, InstrumentIdentity, isf};
-use crate::scope::{Model, Source};
+use crate::recording::{Capture, InstrumentIdentity, Shot, TraceSet};
+use crate::scope::Model;
 use crate::tui::model::served::ServedUpdate;
 use snapshot::ServedSnapshot;
-pub use socket::Socket;
 
 /// How often it is asked whether there is something new.
 const RECORD_POLL_INTERVAL: Duration = Duration::from_millis(100);
@@ -26,37 +30,48 @@ const RECORD_POLL_INTERVAL: Duration = Duration::from_millis(100);
 const SNAPSHOT_INTERVAL: Duration = Duration::from_secs(1);
 /// Query for a new record.
 const STATE_QUERY: &str = ":ACQ:NUMAC?;STATE?;STOPA?;:TRIG:STATE?";
-/// Settings of the transfer, in the order of the reply.
-const TRANSFER_FIELDS: [&str; 5] = ["ENC", "WID", "STAR", "STOP", "SOU"];
 
-/// A connection to a served scope, or to a real one behind a socket.
-#[derive(Debug)]
+/// A connection to a served scope, or to a real one.
 pub struct ServedConnection {
-    socket: Socket,
-    /// Where it is, `HOST:PORT`.
-    address: String,
+    client: Client,
     instrument: InstrumentIdentity,
     model: Model,
+    /// The form that replies had before.
+    form: ReplyForm,
     /// Whether a bench stands behind it that can be struck.
     bench: bool,
+    recorder: Option<ShotRecorder>,
 }
 
 impl ServedConnection {
-    /// Connects to `address`, `HOST:PORT`, and asks who is there.
+    /// Connects to `address` and asks who is there.
     ///
     /// # Errors
     /// A message for the user: no connection, or no oscilloscope of this family.
-    pub fn connect(address: &str) -> Result<Self, String> {
+    pub fn connect(address: &Address) -> Result<Self, String> {
         let failed = |error: io::Error| format!("{address}: {error}");
-        let mut socket = Socket::connect(address).map_err(failed)?;
-        let identity = socket.query(":HEAD OFF;:VERB ON;*IDN?").map_err(|error| {
+        let timeout = ClientTiming::default().reply_timeout;
+        let mut client = Client::connect(address, timeout).map_err(failed)?;
+        let reply = client.ask("*IDN?").map_err(|error| {
             format!("{address}: found no answer to *IDN? ({error}), expected an oscilloscope")
         })?;
-        let (instrument, model) =
-            snapshot::instrument(&identity).map_err(|problem| format!("{address}: {problem}"))?;
-        // A scope without a bench answers the second query alone.
-        let bench = socket.query(":BENC:IMP?;:HEAD?").map_err(failed)?.contains(';');
-        Ok(Self { socket, address: address.to_owned(), instrument, model, bench })
+        let instrument = identity(&reply).map_err(|problem| format!("{address}: {problem}"))?;
+        let model = snapshot::model(&instrument)
+            .ok_or_else(|| format!("{address}: no oscilloscope ships with this program"))?;
+        let form = ReplyForm::replace(&mut client).map_err(failed)?;
+        let bench = has_bench(&mut client).map_err(failed)?;
+        Ok(Self { client, instrument, model, form, bench, recorder: None })
+    }
+
+    /// Records what is shown in `file` or, if that exists, by the next free number; its name.
+    ///
+    /// # Errors
+    /// [`WriteError`] where the file cannot be written.
+    pub fn record(&mut self, file: &Path) -> Result<PathBuf, WriteError> {
+        let recorder = ShotRecorder::create(file, self.client.address(), &self.instrument)?;
+        let file = recorder.file().to_owned();
+        self.recorder = Some(recorder);
+        Ok(file)
     }
 
     /// Everything but the records.
@@ -65,14 +80,15 @@ impl ServedConnection {
         short: String,
         before: Option<&ServedSnapshot>,
     ) -> io::Result<ServedSnapshot> {
-        let panel = self.socket.query("SET?")?;
-        let panel = SetFile::read(panel.as_bytes(), &self.address).map_err(io::Error::other)?;
-        let mut look = ServedSnapshot::new(short, panel, self.model.clone());
+        let panel = self.client.ask("SET?")?;
+        let name = self.client.address().to_string();
+        let file = SetFile::read(panel.as_bytes(), &name).map_err(io::Error::other)?;
+        let mut look = ServedSnapshot::new((short, panel), file, self.model.clone());
         if self.bench {
-            let named = self.socket.query(":BENC:IMP?;SCEN?")?;
+            let named = self.client.ask(":BENC:IMP?;SCEN?")?;
             look.on_bench(&named, before);
             if let Some(query) = look.knobs_query() {
-                let knobs = self.socket.query(&query)?;
+                let knobs = self.client.ask(&query)?;
                 look.turned(&knobs);
             }
         }
@@ -82,61 +98,55 @@ impl ServedConnection {
     /// The records of the displayed traces; none where what is displayed has changed meanwhile.
     fn records(&mut self, look: &ServedSnapshot) -> io::Result<Option<Vec<Capture>>> {
         let sources = look.displayed();
-        let asked = TRANSFER_FIELDS.map(|word| format!("{word}?")).join(";");
-        let before = self.socket.query(&format!(":DAT:{asked}"))?;
-        let (found, records) = self.socket.ask_for_records(&message(&sources, &before, &asked))?;
-        if found != before {
-            // Another client changed the setting between the two messages.
-            self.socket.send_line(&format!(":DAT:{}", restored(&found)))?;
-        }
-        let captures = records.iter().map(|record| self.capture(record, look));
-        let captures: Option<Vec<Capture>> = captures.collect();
+        // In one message: another acquisition may be taken between two.
+        let found = records(&mut self.client, &sources)?;
+        let captures = found.iter().map(|record| capture(record, look.panel(), &self.instrument));
+        let captures: Option<Vec<Capture>> = captures.map(Result::ok).collect();
         Ok(captures.filter(|captures| captures.len() == sources.len()))
     }
+}
 
-    /// A preamble and its block are what an ISF file holds.
-    fn capture(&self, record: &[u8], look: &ServedSnapshot) -> Option<Capture> {
-        let mut capture = isf::read(record, &self.address).ok()?;
-        // What a file does not tell and has to be guessed, the set-up tells.
-        capture.notes.clear();
-        look.complete(&mut capture);
-        capture.instrument = Some(self.instrument.clone());
-        Some(capture)
+/// Whether a bench stands behind the scope. Only a socket may have one; a scope without one answers the second query alone, or nothing.
+fn has_bench(client: &mut Client) -> io::Result<bool> {
+    if !matches!(client.address(), Address::Socket(_)) {
+        return Ok(false);
+    }
+    match client.ask(":BENC:IMP?;:HEAD?") {
+        Ok(reply) => Ok(reply.contains(';')),
+        Err(error) if error.kind() == io::ErrorKind::TimedOut => {
+            client.reconnect()?;
+            client.send(PLAIN_REPLIES)?;
+            Ok(false)
+        }
+        Err(error) => Err(error),
     }
 }
 
-/// Sets the transfer, asks for each record with headers as files have them, and puts the transfer back as it was.
-fn message(sources: &[Source], before: &str, asked: &str) -> String {
-    let records: Vec<String> =
-        sources.iter().map(|source| format!(":DAT:SOU {source};:WAVF?")).collect();
-    format!(
-        ":DAT:{asked};ENC RIB;WID 1;STAR 1;STOP 2500;:HEAD ON;{};:HEAD OFF;:DAT:{}",
-        records.join(";"),
-        restored(before)
-    )
-}
-
-/// The commands that set the transfer to what a query of it told.
-fn restored(told: &str) -> String {
-    let pairs =
-        TRANSFER_FIELDS.iter().zip(told.split(';')).map(|(word, value)| format!("{word} {value}"));
-    pairs.collect::<Vec<_>>().join(";")
-}
-
-/// Starts the thread that watches; it takes commands.
-pub fn start(scope: ServedConnection, news: &Sender<ScreenEvent>) -> Sender<String> {
+/// Starts the thread that watches; it takes commands, and ends when their sender is dropped.
+pub fn start(
+    scope: ServedConnection,
+    news: &Sender<ScreenEvent>,
+) -> (Sender<String>, JoinHandle<()>) {
     let (orders, received) = channel();
     let news = news.clone();
-    thread::spawn(move || {
-        let address = scope.address.clone();
-        let mut watch = ServedWorker { scope, news: news.clone(), last: None, records: None };
+    let thread = thread::spawn(move || {
+        let address = scope.client.address().clone();
+        let mut watch =
+            ServedWorker { scope, news: news.clone(), last: None, records: None, shots: 0 };
         let watched = guarded(|| watch.go(&received).map_err(|error| with_reasons(&error)));
-        if let Err(words) = watched {
-            // The screen may be closed already.
-            let _ = news.send(ScreenEvent::Lost(format!("{address}: connection lost: {words}")));
+        // The screen may be closed already, and the line gone.
+        let _ = match watched {
+            Ok(()) => watch.scope.client.send(&watch.scope.form.commands()).ok(),
+            Err(words) => {
+                let lost = format!("{address}: connection lost: {words}");
+                news.send(ScreenEvent::Lost(lost)).ok()
+            }
+        };
+        if let Some(Err(error)) = watch.scope.recorder.take().map(ShotRecorder::finish) {
+            let _ = news.send(ScreenEvent::Told(with_reasons(&error)));
         }
     });
-    orders
+    (orders, thread)
 }
 
 struct ServedWorker {
@@ -144,6 +154,8 @@ struct ServedWorker {
     news: Sender<ScreenEvent>,
     last: Option<(Instant, ServedSnapshot)>,
     records: Option<Vec<Capture>>,
+    /// How many were recorded.
+    shots: u32,
 }
 
 impl ServedWorker {
@@ -154,9 +166,9 @@ impl ServedWorker {
             if self.last.is_some() {
                 match orders.recv_timeout(RECORD_POLL_INTERVAL) {
                     Ok(command) => {
-                        self.scope.socket.send_line(&command)?;
+                        self.scope.client.send(&command)?;
                         for more in orders.try_iter() {
-                            self.scope.socket.send_line(&more)?;
+                            self.scope.client.send(&more)?;
                         }
                         commanded = true;
                     }
@@ -173,7 +185,7 @@ impl ServedWorker {
 
     /// Changes since the last call, if any.
     fn listen(&mut self, commanded: bool) -> io::Result<Option<ServedUpdate>> {
-        let short = self.scope.socket.query(STATE_QUERY)?;
+        let short = self.scope.client.ask(STATE_QUERY)?;
         let quiet = |(at, look): &(Instant, ServedSnapshot)| {
             look.short() == short && at.elapsed() < SNAPSHOT_INTERVAL
         };
@@ -193,7 +205,30 @@ impl ServedWorker {
             self.records = Some(records.clone());
         }
         let heard = look.update(self.scope.bench, new);
+        if let Some(set) = &heard.set {
+            self.record(set, look.set_up());
+        }
         self.last = Some((Instant::now(), look));
         Ok((!same).then_some(heard))
+    }
+
+    /// Adds what is shown to the recording; one that cannot be written ends, and the screen goes on.
+    fn record(&mut self, set: &TraceSet, set_up: &str) {
+        let (Some(recorder), Some(shot)) = (&mut self.scope.recorder, set.shots.first()) else {
+            return;
+        };
+        self.shots += 1;
+        let number = self.shots;
+        let mut line = format!("shot {number}: shown on the screen");
+        if !self.scope.bench {
+            line.push_str("; if the scope ran on, channels may be of different triggers");
+        }
+        let notes = ShotNotes { set_up: set_up.to_owned(), energy: None, log: vec![(false, line)] };
+        let shot = Shot { number, timestamp_ns: wall_clock_time(), ..shot.clone() };
+        if let Err(error) = recorder.add(&shot, &notes) {
+            self.scope.recorder = None;
+            let words = format!("the recording has ended: {}", with_reasons(&error));
+            let _ = self.news.send(ScreenEvent::Told(words));
+        }
     }
 }

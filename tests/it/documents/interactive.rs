@@ -39,6 +39,24 @@ pub fn served(folder: &Path, arguments: &[&str]) -> Result<String, String> {
     }
 }
 
+/// Does `act` while a scope is served that is struck again and again; it is told where.
+pub fn with_scope<T>(folder: &Path, act: impl FnOnce(&str) -> T) -> T {
+    let mut server = Command::new(env!("CARGO_BIN_EXE_hertzscope"))
+        .args(["serve", "--listen", "127.0.0.1:0", "--impact-every", "100ms"])
+        .current_dir(folder)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("the program");
+    let mut lines = BufReader::new(server.stdout.take().expect("its output")).lines();
+    let first = lines.next().and_then(Result::ok).unwrap_or_default();
+    let done = act(first.strip_prefix("listening on ").expect("an address"));
+    // It has done its work.
+    let _ = server.kill();
+    server.wait().expect("its end");
+    done
+}
+
 /// Views in a terminal until the screen is there, then presses `q`; nothing, as screens are tested elsewhere.
 pub fn viewed(folder: &Path, arguments: &[&str]) -> Result<String, String> {
     let size = PtySize { rows: 24, cols: 80, pixel_width: 0, pixel_height: 0 };

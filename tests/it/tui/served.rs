@@ -7,18 +7,24 @@ use std::time::Duration;
 
 use super::bench::draw;
 use crate::server::Server;
+use hertzscope::client::{Address, Client};
+use hertzscope::recording::mcap::read;
 use hertzscope::recording::{Origin, TraceSet};
 use hertzscope::scope::{Coupling, Source};
 use hertzscope::server::ServerOptions;
 use hertzscope::tui::axis::TurnDirection;
 use hertzscope::tui::model::{Action, Palette, RunState, ScreenState, SidePanel, update};
-use hertzscope::tui::work::served::{ServedConnection, Socket};
+use hertzscope::tui::work::served::ServedConnection;
 use hertzscope::tui::work::{ScreenEvent, Workers};
 use ratatui::layout::Size;
 
 /// Far longer than anything takes.
 const TIMEOUT: Duration = Duration::from_secs(120);
 const SIZE: Size = Size { width: 80, height: 24 };
+
+fn connect(address: &str) -> Result<ServedConnection, String> {
+    ServedConnection::connect(&Address::Socket(address.to_owned()))
+}
 
 /// A screen on a served scope.
 struct Session {
@@ -30,7 +36,11 @@ struct Session {
 impl Session {
     fn on(server: &Server) -> Self {
         let address = server.address.to_string();
-        let scope = ServedConnection::connect(&address).expect("a scope");
+        let scope = connect(&address).expect("a scope");
+        Self::with(scope, address)
+    }
+
+    fn with(scope: ServedConnection, address: String) -> Self {
         let mut model = ScreenState::new(TraceSet::default(), address, Palette::Colour);
         model.open_served();
         let (mut staff, news) = Workers::start(None, false);
@@ -192,11 +202,11 @@ fn somebody_else_is_refused() {
         BufReader::new(stream.try_clone().expect("a stream")).read_line(&mut line).expect("a line");
         stream.write_all(b"220 mail.example.org ESMTP\n").expect("a greeting");
     });
-    let refused = ServedConnection::connect(&address).expect_err("no scope");
+    let refused = connect(&address).err().expect("no scope");
     assert!(refused.contains("220 mail.example.org"), "{refused}");
     assert!(refused.contains("expected a Tektronix oscilloscope"), "{refused}");
     stranger.join().expect("no panic");
-    let nobody = ServedConnection::connect(&address).expect_err("nobody there");
+    let nobody = connect(&address).err().expect("nobody there");
     assert!(nobody.contains(&address), "{nobody}");
 }
 
@@ -226,7 +236,7 @@ fn a_hostile_scope_is_refused_in_one_short_line() {
         b"\n",
     ];
     for reply in replies {
-        let refused = ServedConnection::connect(&hostile(reply)).expect_err("no scope");
+        let refused = connect(&hostile(reply)).err().expect("no scope");
         assert!(refused.chars().count() < 250, "{} characters", refused.chars().count());
         assert!(!refused.chars().any(|c| c.is_control() || c == '\u{202e}'), "{refused:?}");
     }
@@ -243,8 +253,44 @@ fn hostile_records_end_the_connection_and_not_the_memory() {
         (b"CURV 1;", "a reply without end"),
     ];
     for (reply, expected) in replies {
-        let mut socket = Socket::connect(&hostile(reply)).expect("a connection");
-        let refused = socket.ask_for_records("CURV?").expect_err("no records");
+        let mut scope =
+            Client::connect(&Address::Socket(hostile(reply)), TIMEOUT).expect("a connection");
+        let refused = scope.ask_for_records("CURV?").expect_err("no records");
         assert!(refused.to_string().contains(expected), "{refused}");
     }
+}
+
+/// The traces on screen are held against a scene's as they come, and recorded; the scope on screen is the measured side.
+#[test]
+fn what_is_shown_is_compared_with_a_scene_and_recorded() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("seen.mcap");
+    let server = Server::at_rest();
+    let address = server.address.to_string();
+    let mut scope = connect(&address).expect("a scope");
+    assert_eq!(scope.record(&file).expect("a recording"), file);
+    let mut session = Session::with(scope, address.clone());
+    session.model.compare_with("magnet-0.61g".to_owned());
+    let mut seen = Vec::new();
+    for number in 1..=2 {
+        session.act(Action::Impact);
+        session.wait_for(|model| model.shot().is_some_and(|shot| shot.number == number));
+        seen.push(session.model.captures()[2].waveform.codes.clone());
+    }
+    session.wait_for(|model| model.questions().comparison.done().is_some());
+    // The scene states its uncertainty.
+    session.wait_for(|model| model.questions().bands.len() == 4);
+    let comparison = session.model.questions().comparison.done().expect("one").comparison.clone();
+    assert_eq!((comparison.measured, comparison.channels.len()), (address, 4));
+    assert_eq!(comparison.simulated, "magnet-0.61g");
+    draw(&session.model, 80, 24)
+        .find("CH1 measured in colour, CH1 simulated in white, its 95 % band in grey");
+    // The recording is complete when the screen is closed.
+    drop(session);
+    let set = read(&file).expect("a recording");
+    assert_eq!(set.problems, [""; 0]);
+    let recorded: Vec<_> =
+        set.shots.iter().map(|shot| shot.captures[2].waveform.codes.clone()).collect();
+    assert_eq!(recorded, seen);
+    assert!(set.notes[&2].set_up.contains(":CH1:PROBE"));
 }

@@ -348,7 +348,7 @@ fn a_served_scope_is_watched() {
     let (code, all) = Terminal::open(&[&address], &[]).end();
     assert_eq!(code, 2);
     // On a terminal, what is wrong is marked.
-    assert!(all.contains(&format!("\x1b[1;31merror:\x1b[0m {address}: ")), "{all}");
+    assert!(all.contains(&format!("\x1b[1;31merror:\x1b[0m tcp://{address}: ")), "{all}");
     assert!(!all.contains(OTHER_SCREEN), "the screen was taken");
 }
 

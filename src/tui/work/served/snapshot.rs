@@ -1,8 +1,8 @@
 //! A snapshot of the settings of a served scope.
 
+use crate::client::displayed;
 use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, facts};
-use crate::quantity::printable_line;
 use crate::recording::set_file::SetFile;
 use crate::recording::{Capture, InstrumentIdentity, Origin, Shot, TraceSet};
 use crate::scene::{Scene, oscilloscope};
@@ -14,40 +14,18 @@ use crate::tui::model::RunState;
 use crate::tui::model::live_state::{ServedScope, TunedSettings};
 use crate::tui::model::served::ServedUpdate;
 
-/// Longest part of a foreign reply to `*IDN?` that a message quotes (characters).
-const MAX_QUOTED_IDENTITY: usize = 80;
-
-/// Who answers to `*IDN?`, and what its knobs can do.
-///
-/// # Errors
-/// A message for the user: no oscilloscope of this family.
-pub fn instrument(identity: &str) -> Result<(InstrumentIdentity, Model), String> {
-    let identity = printable_line(identity);
-    let stranger = || {
-        let start: String = identity.chars().take(MAX_QUOTED_IDENTITY).collect();
-        format!("found {start}, expected a Tektronix oscilloscope of the TDS2000 family")
-    };
-    let mut fields = identity.split(',');
-    let (maker, name) = (fields.next().unwrap_or_default(), fields.next().unwrap_or_default());
-    let name = name.replace(' ', "");
-    if maker != "TEKTRONIX" || !(name.starts_with("TDS") || name.starts_with("TBS")) {
-        return Err(stranger());
-    }
-    let serial = fields.next().unwrap_or_default().to_owned();
-    let firmware =
-        fields.next().and_then(|rest| rest.split(' ').find(|word| word.starts_with("FV:")));
-    let firmware = firmware.unwrap_or_default().to_owned();
+/// What the knobs of a scope can do; none if no scope ships.
+pub fn model(instrument: &InstrumentIdentity) -> Option<Model> {
     // Of a sister that is not described here, the knobs' steps are much the same as of the scope in the scenes that ship.
     let shipped = || Some(Scene::load(Scene::names().first()?).ok()?.scope.model);
-    let described = oscilloscope(&name.to_lowercase()).ok().or_else(shipped);
-    let model = described.ok_or_else(stranger)?;
-    Ok((InstrumentIdentity { model: name, serial, firmware }, model))
+    oscilloscope(&instrument.model.to_lowercase()).ok().or_else(shipped)
 }
 
 /// Everything but the records, as it was told at one time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ServedSnapshot {
     short: String,
+    set_up: String,
     panel: SetFile,
     model: Model,
     impacts: u32,
@@ -59,10 +37,10 @@ pub struct ServedSnapshot {
 }
 
 impl ServedSnapshot {
-    /// The acquisition as `short` tells it, and the front panel.
-    pub fn new(short: String, panel: SetFile, model: Model) -> Self {
+    /// The acquisition as `short` tells it, and the front panel as text and as settings.
+    pub fn new((short, set_up): (String, String), panel: SetFile, model: Model) -> Self {
         let (named, name, knobs) = (None, String::new(), Vec::new());
-        Self { short, panel, model, impacts: 0, named, name, knobs }
+        Self { short, set_up, panel, model, impacts: 0, named, name, knobs }
     }
 
     /// The number of impacts and the scene's name; a scene that ships is known here, too.
@@ -112,20 +90,17 @@ impl ServedSnapshot {
 
     /// The traces that are on its screen.
     pub fn displayed(&self) -> Vec<Source> {
-        let channels = (1..=4).map(Source::Channel);
-        let others = std::iter::once(Source::Math).chain(('A'..='D').map(Source::Reference));
-        channels.chain(others).filter(|s| self.panel.is_selected(*s) == Some(true)).collect()
+        displayed(&self.panel)
     }
 
-    /// Fills in what a record's preamble does not tell.
-    pub fn complete(&self, capture: &mut Capture) {
-        if let Source::Channel(number) = capture.waveform.source {
-            let vertical = &mut capture.waveform.vertical;
-            let on = |what: &str| self.panel.is_on(&format!("CH{number}:{what}"));
-            vertical.probe = self.panel.probe(number).unwrap_or(1.0);
-            vertical.bandwidth_limited = on("BANDWIDTH");
-            vertical.inverted = on("INVERT");
-        }
+    /// The front panel as settings.
+    pub fn panel(&self) -> &SetFile {
+        &self.panel
+    }
+
+    /// The front panel as it was told.
+    pub fn set_up(&self) -> &str {
+        &self.set_up
     }
 
     /// The front panel; inputs as in the scene, where that is known.

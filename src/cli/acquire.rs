@@ -1,0 +1,197 @@
+//! `hertzscope acquire`: a real scope's traces into a recording; and one shot of a scope for other commands.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use anyhow::{Context as _, bail};
+use clap::Args;
+use serde_json::json;
+use signal_hook::consts::TERM_SIGNALS;
+
+use super::overwrite::ending;
+use crate::client::{
+    AcquisitionEvent, Address, ClientError, ClientTiming, ShotAcquisition, ShotRecorder,
+};
+use crate::recording::TraceSet;
+
+/// Record the displayed traces of a scope after each of its triggers: over a socket, a serial line, or GPIB behind a Prologix adapter
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// The scope: `tcp://HOST:PORT`, `serial:/dev/ttyUSB0?baud=19200` (hard flagging), or `prologix://HOST?gpib=1`
+    #[arg(value_parser = str::parse::<Address>)]
+    address: Address,
+    /// The recording (.mcap), numbered if that exists; it can be read while it grows (`view FILE --follow`)
+    #[arg(short, long, value_name = "FILE.mcap")]
+    output: PathBuf,
+    /// End after this many shots [default: at Ctrl-C]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    shots: Option<u32>,
+    /// Print what was recorded as JSON
+    #[arg(long)]
+    json: bool,
+    /// Do not tell what is waited for
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Set by the first signal that ends programs; the second ends this one.
+struct StopSignal(Arc<AtomicBool>);
+
+impl StopSignal {
+    fn new() -> anyhow::Result<Self> {
+        let stop = Arc::new(AtomicBool::new(false));
+        #[cfg(unix)]
+        let hang_up = Some(signal_hook::consts::SIGHUP);
+        #[cfg(not(unix))]
+        let hang_up = None;
+        for signal in TERM_SIGNALS.iter().copied().chain(hang_up) {
+            signal_hook::flag::register_conditional_default(signal, Arc::clone(&stop))?;
+            signal_hook::flag::register(signal, Arc::clone(&stop))?;
+        }
+        Ok(Self(stop))
+    }
+}
+
+impl Drop for StopSignal {
+    /// From now on the first signal ends the program.
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
+/// How often something went wrong on the way.
+#[derive(Debug, Default)]
+struct Troubles {
+    line_failures: u32,
+    dropped: u32,
+}
+
+impl Troubles {
+    /// Counts an event of `shot`, and tells the user of it.
+    fn note(&mut self, event: &AcquisitionEvent, (shot, trigger): (&str, &str), quiet: bool) {
+        let (is_trouble, words) = match event {
+            AcquisitionEvent::Armed => {
+                (false, format!("waiting for a trigger, {trigger} (Ctrl-C ends)"))
+            }
+            AcquisitionEvent::Triggered => (false, "triggered, reading".to_owned()),
+            AcquisitionEvent::LineFailed(why) => {
+                self.line_failures += 1;
+                (true, format!("the line failed ({why}): trying again"))
+            }
+            AcquisitionEvent::LineBack => (true, "the line works again".to_owned()),
+            AcquisitionEvent::ArmedAgain(why) => (true, format!("{why}: armed again")),
+            AcquisitionEvent::Dropped(why) => {
+                self.dropped += 1;
+                (true, format!("not recorded: {why}"))
+            }
+        };
+        if !quiet {
+            let warning = if is_trouble { "warning: " } else { "" };
+            super::say(&format!("{warning}{shot}: {words}"));
+        }
+    }
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    ending(&arguments.output, &["mcap"])?;
+    let stop = StopSignal::new()?;
+    let mut scope = begin(&arguments.address, arguments.quiet)?;
+    let mut troubles = Troubles::default();
+    let recorded = record(arguments, &mut scope, &stop, &mut troubles);
+    let instrument = scope.instrument().clone();
+    // The scope is put back whatever became of the recording; what failed first is told.
+    let restored = scope.end();
+    let (file, shots) = recorded?;
+    restored?;
+    if arguments.json {
+        let found = json!({
+            "file": file, "shots": shots, "address": arguments.address.to_string(), "model": instrument.model,
+            "serial": instrument.serial, "firmware": instrument.firmware,
+            "line_failures": troubles.line_failures, "dropped": troubles.dropped,
+        });
+        super::print(&serde_json::to_string_pretty(&found)?)?;
+    } else {
+        let plural = if shots == 1 { "" } else { "s" };
+        super::print(&format!("recorded    {}: {shots} shot{plural}", file.display()))?;
+    }
+    if let Some(wanted) = arguments.shots.filter(|wanted| *wanted > shots) {
+        bail!("stopped after {shots} of {wanted} shots");
+    }
+    Ok(())
+}
+
+/// Connects, and says what is there.
+fn begin(address: &Address, quiet: bool) -> Result<ShotAcquisition, ClientError> {
+    let scope = ShotAcquisition::begin(address, ClientTiming::default())?;
+    if !quiet {
+        let model = &scope.instrument().model;
+        let traces: Vec<String> = scope.displayed().iter().map(ToString::to_string).collect();
+        super::say(&format!("{model} at {address}: {}", traces.join(", ")));
+        if let Some(mode) = scope.replaced_trigger_mode() {
+            super::say(&format!("note: the trigger mode {mode} is NORMAL until the end"));
+        }
+    }
+    Ok(scope)
+}
+
+/// Records until it is stopped or has all shots: the file, and how many it has.
+fn record(
+    arguments: &Arguments,
+    scope: &mut ShotAcquisition,
+    stop: &StopSignal,
+    troubles: &mut Troubles,
+) -> anyhow::Result<(PathBuf, u32)> {
+    let quiet = arguments.quiet;
+    let address = &arguments.address;
+    let mut recorder = ShotRecorder::create(&arguments.output, address, scope.instrument())?;
+    if !quiet {
+        super::say(&format!("recording   {}", recorder.file().display()));
+    }
+    let trigger = scope.trigger().to_owned();
+    let mut shots = 0;
+    while arguments.shots.is_none_or(|wanted| shots < wanted) {
+        let number = shots + 1;
+        let of = arguments.shots.map_or_else(String::new, |wanted| format!(" of {wanted}"));
+        let name = format!("shot {number}{of}");
+        let mut tell = |event: AcquisitionEvent| troubles.note(&event, (&name, &trigger), quiet);
+        let found = scope.shot(&stop.0, &mut tell);
+        let taken = match found {
+            Ok(Some(taken)) => taken,
+            Ok(None) => break,
+            Err(error) => {
+                // What was recorded stays.
+                recorder.finish()?;
+                return Err(error.into());
+            }
+        };
+        let (shot, notes) = taken.numbered(number, address);
+        recorder.add(&shot, &notes)?;
+        shots = number;
+        if !quiet {
+            let traces: Vec<String> =
+                shot.captures.iter().map(|c| c.waveform.source.to_string()).collect();
+            super::say(&format!("{name}: recorded {}", traces.join(", ")));
+        }
+    }
+    Ok((recorder.finish()?, shots))
+}
+
+/// One shot of the scope at `path`, if that is an address.
+pub fn one_shot(path: &Path) -> anyhow::Result<Option<TraceSet>> {
+    let Some(address) = path.to_str().map(Address::recognise).transpose()?.flatten() else {
+        return Ok(None);
+    };
+    let stop = StopSignal::new()?;
+    let mut scope = begin(&address, false)?;
+    let mut troubles = Troubles::default();
+    let trigger = scope.trigger().to_owned();
+    let mut tell = |event| troubles.note(&event, ("one shot", &trigger), false);
+    let taken = scope.shot(&stop.0, &mut tell);
+    let instrument = scope.instrument().clone();
+    let restored = scope.end();
+    let taken = taken?;
+    restored?;
+    let taken = taken.with_context(|| format!("{address}: stopped before a trigger"))?;
+    Ok(Some(taken.into_set(&address, &instrument)))
+}

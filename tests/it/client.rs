@@ -1,0 +1,120 @@
+//! Shots taken from a scope over each kind of line, sample by sample against the server's own recording; and lines that fail.
+
+mod addresses;
+mod command;
+mod lines;
+mod prologix;
+mod pulled;
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use hertzscope::client::{AcquisitionEvent, Address, ClientTiming, ShotAcquisition};
+use hertzscope::experiment::{Integration, facts};
+use hertzscope::recording::mcap::{RecordingWriter, read};
+use hertzscope::recording::{Capture, Shot};
+use hertzscope::server::ServerOptions;
+use lines::{ByteTime, serial_port};
+use rustix::termios::{ControlModes, tcgetattr};
+
+use crate::server::{Server, scene};
+
+/// Short waits; the reply's time limit only ends tests of lines that fall silent.
+const TIMING: ClientTiming = ClientTiming {
+    reply_timeout: Duration::from_secs(2),
+    poll_interval: Duration::from_millis(2),
+    retry_interval: Duration::from_millis(5),
+};
+
+/// A server that is struck again and again, and writes its own recording into `file`.
+fn struck(file: &Path) -> Server {
+    let scene = scene();
+    let accuracy = Integration::Accuracy(scene.accuracy.expect("an accuracy"));
+    let known = facts::facts(&scene, accuracy).expect("stable");
+    let writer = RecordingWriter::create_live(file, &known, &[]).expect("writable");
+    let impact_every = Some(Duration::from_millis(20));
+    Server::serving(scene, ServerOptions { impact_every, ..ServerOptions::default() }, Some(writer))
+}
+
+/// Takes `count` shots; also what happened on the way.
+fn shots(address: &Address, count: u32) -> (Vec<Shot>, Vec<AcquisitionEvent>) {
+    let mut scope = ShotAcquisition::begin(address, TIMING).expect("a scope");
+    let mut events = Vec::new();
+    let taken = (1..=count).map(|number| {
+        let stop = AtomicBool::new(false);
+        let taken = scope.shot(&stop, &mut |event| events.push(event)).expect("a line");
+        taken.expect("a shot").numbered(number, address).0
+    });
+    let taken = taken.collect();
+    scope.end().expect("a scope as it was");
+    (taken, events)
+}
+
+fn is_same(one: &Capture, other: &Capture) -> bool {
+    let (one, other) = (&one.waveform, &other.waveform);
+    let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs();
+    let (p, q) = (&one.preamble, &other.preamble);
+    let numbers =
+        [(p.x_incr, q.x_incr), (p.y_mult, q.y_mult), (p.y_off, q.y_off), (p.y_zero, q.y_zero)];
+    one.source == other.source
+        && one.codes == other.codes
+        && numbers.into_iter().all(|(a, b)| near(a, b))
+        // Printed as a multiple of the sample interval.
+        && (p.x_zero - q.x_zero).abs() < 1e-3 * q.x_incr
+        && one.vertical == other.vertical
+}
+
+/// Each shot is one of the server's own recording, in the same order, with every sample.
+fn assert_recorded(taken: &[Shot], file: &Path) {
+    let own = read(file).expect("the server's recording");
+    let mut own = own.shots.iter();
+    for shot in taken {
+        assert_eq!(shot.captures.len(), 4, "shot {}", shot.number);
+        let is_this = |other: &&Shot| {
+            let pairs = shot.captures.iter().zip(&other.captures);
+            shot.captures.len() == other.captures.len()
+                && pairs.into_iter().all(|(a, b)| is_same(a, b))
+        };
+        assert!(own.any(|other| is_this(&other)), "shot {} is none of the scope's", shot.number);
+    }
+}
+
+#[test]
+fn a_serial_line_brings_every_sample() {
+    for baud in [9600, 19200] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let own = folder.path().join("own.mcap");
+        let server = struck(&own);
+        let port = serial_port(server.address, folder.path(), ByteTime::at(baud), Vec::new());
+        let address = Address::Serial { device: port.clone(), baud };
+        let mut scope = ShotAcquisition::begin(&address, TIMING).expect("a scope");
+        let settings = tcgetattr(std::fs::File::open(&port).expect("a port")).expect("settings");
+        assert_eq!((settings.input_speed(), settings.output_speed()), (baud, baud));
+        let modes = settings.control_modes;
+        assert!(modes.contains(ControlModes::CRTSCTS | ControlModes::CS8), "{modes:?}");
+        assert!(!modes.intersects(ControlModes::PARENB | ControlModes::CSTOPB), "{modes:?}");
+        let stop = AtomicBool::new(false);
+        let taken = scope.shot(&stop, &mut |_| ()).expect("a line").expect("a shot");
+        scope.end().expect("a scope as it was");
+        drop(server);
+        assert_recorded(&[taken.numbered(1, &address).0], &own);
+    }
+}
+
+#[test]
+fn a_prologix_adapter_brings_every_sample() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let own = folder.path().join("own.mcap");
+    let server = struck(&own);
+    let adapter = prologix::Adapter::before(server.address);
+    let address = format!("prologix://{}?gpib=7", adapter.address);
+    let (taken, events) = shots(&address.parse().expect("an address"), 3);
+    let told = adapter.commands();
+    drop(server);
+    assert_recorded(&taken, &own);
+    assert!(!events.iter().any(|event| matches!(event, AcquisitionEvent::LineFailed(_))));
+    for needed in ["++mode 1", "++addr 7", "++auto 0", "++eoi 1", "++savecfg 0", "++read eoi"] {
+        assert!(told.iter().any(|command| command == needed), "{needed} in {told:?}");
+    }
+}
