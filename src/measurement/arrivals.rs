@@ -26,6 +26,9 @@ pub fn sensitivities_unknown(channels: &[&str]) -> String {
 /// A pulse smaller than this share of the largest value is not counted (1).
 const MIN_PULSE_SHARE: f64 = 0.05;
 
+/// Estimators that differ by more than this share of the speed are noted, where it is more than their uncertainties (1).
+const DIFFERENT_SPEEDS: f64 = 0.1;
+
 /// An arrival by one estimator.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Arrival {
@@ -181,10 +184,32 @@ pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
             Some(between(distance, (&a.channel, &a.pulse), (&b.channel, &b.pulse)))
         })
     });
-    let speeds = measured.chain(of_scene).flatten();
-    let speeds = speeds.collect();
+    let speeds: Vec<SpeedBetween> = measured.chain(of_scene).flatten().collect();
+    notes.extend(changes_of_shape(&speeds));
     let decays = scene.as_ref().map_or_else(Vec::new, |scene| decays(scene, &placed, &channels));
     Survey { shot: shot.number, speeds, decays, channels, notes }
+}
+
+/// Notes on pairs of channels between which estimators disagree by more than their uncertainties.
+fn changes_of_shape(speeds: &[SpeedBetween]) -> Vec<String> {
+    let pairs = speeds.chunk_by(|a, b| (&a.from, &a.to) == (&b.from, &b.to));
+    let note = |pair: &[SpeedBetween]| {
+        let by_value =
+            |a: &&SpeedBetween, b: &&SpeedBetween| a.m_per_s.value.total_cmp(&b.m_per_s.value);
+        let (low, high) = (pair.iter().min_by(by_value)?, pair.iter().max_by(by_value)?);
+        let (slow, fast) = (low.m_per_s, high.m_per_s);
+        let apart = fast.value - slow.value;
+        let differs = apart > DIFFERENT_SPEEDS * slow.value.abs();
+        (differs && apart > slow.expanded() + fast.expanded()).then(|| {
+            format!(
+                "{} -> {}: estimators of the speed differ by {:.0} %: the pulse changes its shape between these sensors, none of them is the speed",
+                low.from,
+                low.to,
+                100.0 * apart / slow.value.abs()
+            )
+        })
+    };
+    pairs.filter_map(note).collect()
 }
 
 /// Decays of the first peak from each sensor to the next in a host of the same kind, of sensors sorted from the top.
