@@ -15,6 +15,8 @@ mod mcap;
 mod scpi;
 #[path = "../../fuzz/targets/set.rs"]
 mod set;
+#[path = "../../fuzz/targets/vxi11.rs"]
+mod vxi11;
 
 /// The inputs of a target's corpus, each told by its name if the target fails on it.
 fn replay(target: &str, run: fn(&[u8])) {
@@ -60,6 +62,11 @@ fn set_up_files() {
     replay("set", set::run);
 }
 
+#[test]
+fn vxi11_connections() {
+    replay("vxi11", vxi11::run);
+}
+
 /// Every target has its replay.
 #[test]
 fn no_target_is_left_out() {
@@ -69,5 +76,5 @@ fn no_target_is_left_out() {
     });
     let mut names: Vec<String> = names.collect();
     names.sort();
-    assert_eq!(names, ["csv", "hislip", "isf", "mcap", "scpi", "set"]);
+    assert_eq!(names, ["csv", "hislip", "isf", "mcap", "scpi", "set", "vxi11"]);
 }

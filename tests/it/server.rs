@@ -2,15 +2,17 @@
 
 mod abuse;
 mod bench;
+mod faults;
 mod hislip;
 mod load;
 mod process;
 mod random_sessions;
 mod recording;
 mod transcripts;
+mod vxi11;
 
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
-use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream, UdpSocket};
 use std::process::Command;
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -31,6 +33,8 @@ const IDENTITY: &str = "TEKTRONIX,TDS 2014,0,CF:91.1CT FV:v4.12 TDS2CM:CMV:v1.04
 pub struct Server {
     pub address: SocketAddr,
     hislip: SocketAddr,
+    vxi11: SocketAddr,
+    mapper: SocketAddr,
     stop: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<Result<(), ServeError>>>,
 }
@@ -50,16 +54,22 @@ impl Server {
         recording: Option<RecordingWriter>,
     ) -> Self {
         let port = || TcpListener::bind("127.0.0.1:0").expect("a port");
-        let sockets = Sockets { raw: port(), hislip: Some(port()) };
+        let mapper = port();
+        let datagrams = UdpSocket::bind(mapper.local_addr().expect("an address")).expect("a port");
+        let port_mapper = Some((mapper, datagrams));
+        let sockets =
+            Sockets { raw: port(), hislip: Some(port()), vxi11: Some(port()), port_mapper };
         let address = sockets.raw.local_addr().expect("an address");
         let hislip = sockets.hislip.as_ref().expect("a port").local_addr().expect("an address");
+        let vxi11 = sockets.vxi11.as_ref().expect("a port").local_addr().expect("an address");
+        let mapper = sockets.port_mapper.as_ref().expect("one").0.local_addr().expect("an address");
         let (stop, stopped) = oneshot::channel::<()>();
         let stopped = async {
             let _ = stopped.await;
         };
         let thread =
             std::thread::spawn(move || serve(sockets, &scene, options, recording, stopped));
-        Self { address, hislip, stop: Some(stop), thread: Some(thread) }
+        Self { address, hislip, vxi11, mapper, stop: Some(stop), thread: Some(thread) }
     }
 
     pub fn at_rest() -> Self {
