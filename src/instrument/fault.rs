@@ -96,10 +96,14 @@ fn read(text: &str) -> Result<Fault, String> {
         return Err(format!("expected {form}"));
     }
     let value = value.unwrap_or_default();
-    let above_zero = |dimension| match parse(value, dimension) {
-        Ok(number) if number > 0.0 => Ok(number),
-        Ok(_) => Err(format!("expected {form} above zero")),
-        Err(error) => Err(format!("{error}, expected {form}")),
+    let number = |dimension: Dimension| {
+        let example = dimension.example().unwrap_or("1 %");
+        parse(value, dimension)
+            .map_err(|error| format!("{error}; expected {form}, e.g. {}={example}", name.trim()))
+    };
+    let above_zero = |dimension| match number(dimension)? {
+        value if value > 0.0 => Ok(value),
+        _ => Err(format!("expected {form} above zero")),
     };
     let bytes = || value.parse().map_err(|_| format!("expected {form}"));
     let kind = match name.trim() {
@@ -112,10 +116,7 @@ fn read(text: &str) -> Result<Fault, String> {
         "no-trigger" => FaultKind::NoTrigger,
         "clipped" => FaultKind::Clipped(above_zero(Dimension::VOLTAGE)?),
         "noisy" => FaultKind::Noisy(above_zero(Dimension::VOLTAGE)?),
-        "drifting" => FaultKind::Drifting(
-            parse(value, Dimension::VOLTAGE_PER_TIME)
-                .map_err(|error| format!("{error}, expected {form}"))?,
-        ),
+        "drifting" => FaultKind::Drifting(number(Dimension::VOLTAGE_PER_TIME)?),
         "second" => FaultKind::Second(above_zero(Dimension::TIME)?),
         _ => FaultKind::Dead,
     };

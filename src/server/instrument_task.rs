@@ -89,10 +89,11 @@ impl InstrumentTask {
         for fault in options.faults {
             instrument.bench.faults.add(fault);
         }
+        let warn = options.warn.unwrap_or(|_| ());
         let behaviour = (options.header, scene.seed);
         let (interrupts, interrupt_news) = InterruptChannels::new();
         Self {
-            sessions: Sessions::new(instrument, behaviour, recorder, Log::new(options.log)),
+            sessions: Sessions::new(instrument, behaviour, recorder, Log::new(options.log, warn)),
             connections: BTreeMap::new(),
             hislip: hislip::Server::default(),
             vxi11: vxi11::Vxi11Server::new(port),
@@ -105,7 +106,7 @@ impl InstrumentTask {
             orders: options.strikes,
             caught: None,
             lost_recording: None,
-            warn: options.warn.unwrap_or(|_| ()),
+            warn,
             switched_on: Instant::now(),
         }
     }

@@ -10,12 +10,13 @@ const MAX_SHOWN: usize = 100;
 pub struct Log {
     started: Instant,
     out: Option<Box<dyn Write + Send>>,
+    warn: fn(&str),
 }
 
 impl Log {
-    /// Writes to `out`, if there is one.
-    pub fn new(out: Option<Box<dyn Write + Send>>) -> Self {
-        Self { started: Instant::now(), out }
+    /// Writes to `out`, if there is one; `warn` is told if that fails.
+    pub fn new(out: Option<Box<dyn Write + Send>>, warn: fn(&str)) -> Self {
+        Self { started: Instant::now(), out, warn }
     }
 
     /// Whether lines are written.
@@ -23,13 +24,16 @@ impl Log {
         self.out.is_some()
     }
 
-    /// Writes a line. Where that fails, the log ends: whoever reads it has gone, or its disk is full.
+    /// Writes a line. Where that fails, the log ends and the server goes on.
     pub fn line(&mut self, who: &str, what: &str) {
         let Some(out) = &mut self.out else { return };
         let time = self.started.elapsed().as_secs_f64();
         let written = writeln!(out, "{time:10.3} s  {who}  {what}").and_then(|()| out.flush());
-        if written.is_err() {
+        if let Err(reason) = written {
             self.out = None;
+            (self.warn)(&format!(
+                "the log could not be written: {reason}; the server goes on without it"
+            ));
         }
     }
 }

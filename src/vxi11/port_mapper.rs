@@ -3,7 +3,7 @@
 //! Clients that speak a later version first (rpcbind, 3 and 4) are told that version 2 is there. Nobody can register or remove a program.
 
 use super::procedure::{ABORT_PROGRAM, CORE_PROGRAM, VERSION};
-use super::rpc::{Call, XdrReader, Refusal, words};
+use super::rpc::{Call, Refusal, XdrReader, words};
 
 /// The port that clients ask at.
 pub const PORT: u16 = 111;

@@ -1,6 +1,6 @@
 //! The procedures: their numbers, arguments and results. Source: VXI-11, appendix C (the protocol in RPCL), and table B.2 for errors.
 
-use super::rpc::{MAX_RECEIVE, XdrReader, Refusal, words};
+use super::rpc::{MAX_RECEIVE, Refusal, XdrReader, words};
 
 /// Number of the core channel's program.
 pub const CORE_PROGRAM: u32 = 0x0006_07AF;
@@ -158,7 +158,11 @@ fn seconds(milliseconds: u32) -> f64 {
 ///
 /// # Errors
 /// [`Refusal`] where there is no such procedure, or its arguments cannot be read.
-pub fn parse(number: u32, is_abort: bool, mut items: XdrReader<'_>) -> Result<ProcedureCall<'_>, Refusal> {
+pub fn parse(
+    number: u32,
+    is_abort: bool,
+    mut items: XdrReader<'_>,
+) -> Result<ProcedureCall<'_>, Refusal> {
     let items = &mut items;
     let request = match (number, is_abort) {
         (0, _) => Some(of_channel(Procedure::Null)),
@@ -201,7 +205,11 @@ fn create_link<'a>(items: &mut XdrReader<'a>) -> Option<ProcedureCall<'a>> {
     let _client = items.word()?;
     let (lock, timeout) = (items.word()? != 0, items.word()?);
     let procedure = Procedure::CreateLink { lock, device: items.opaque(MAX_NAME)? };
-    Some(ProcedureCall { procedure, link: 0, patience: Patience { lock: seconds(timeout), io: 0.0 } })
+    Some(ProcedureCall {
+        procedure,
+        link: 0,
+        patience: Patience { lock: seconds(timeout), io: 0.0 },
+    })
 }
 
 fn write<'a>(items: &mut XdrReader<'a>) -> Option<ProcedureCall<'a>> {

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::net::{IpAddr, Ipv4Addr, SocketAddrV4};
 
 use super::procedure::{
-    ABORT_PROGRAM, CORE_PROGRAM, DEVICE_INTR_SRQ, ErrorCode, Patience, Procedure, ProcedureCall, VERSION,
-    parse, reason,
+    ABORT_PROGRAM, CORE_PROGRAM, DEVICE_INTR_SRQ, ErrorCode, Patience, Procedure, ProcedureCall,
+    VERSION, parse, reason,
 };
 use super::rpc::{
     Call, MAX_RECEIVE, MAX_RECORD, RecordDecoder, Refusal, call, put_opaque, record, words,
@@ -116,7 +116,8 @@ impl Vxi11Server {
     /// A connection is there.
     pub fn opened(&mut self, connection: u64, peer: IpAddr) {
         let interrupts = InterruptChannel::Closed;
-        let channel = Channel { peer, records: RecordDecoder::default(), waiting: None, interrupts };
+        let channel =
+            Channel { peer, records: RecordDecoder::default(), waiting: None, interrupts };
         self.channels.insert(connection, channel);
     }
 

@@ -338,3 +338,54 @@ fn the_command_says_where_it_listens() {
     let server = Process::start(&["gravity-0.61g", "--header", "on"]);
     assert_eq!(connect(server.address).ask("CH1:PROBE?"), ":CH1:PROBE 1\n");
 }
+
+/// Where it listens as JSON, and the log: connection, command, reply, error, fault and impact, each with its time.
+#[test]
+#[cfg(unix)]
+fn a_script_reads_where_it_listens_and_a_log_what_happens() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("serve.log");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_hertzscope"))
+        .args(["serve", "--json", "--listen", "127.0.0.1:0", "--hislip", "0", "--vxi11", "0"])
+        .args(["--fault", "cut=3*1", &format!("--log={}", file.display())])
+        .stdout(std::process::Stdio::piped())
+        .spawn()
+        .expect("a server");
+    let mut line = String::new();
+    let mut told = BufReader::new(child.stdout.take().expect("a pipe"));
+    told.read_line(&mut line).expect("a line");
+    let told: serde_json::Value = serde_json::from_str(&line).expect("JSON");
+    let port = |name: &str| told[name].as_str().expect(name).rsplit_once(':').expect("a port").1;
+    let resources = &told["resources"];
+    assert_eq!(resources["socket"], format!("TCPIP::127.0.0.1::{}::SOCKET", port("listening")));
+    assert_eq!(resources["hislip"], format!("TCPIP::127.0.0.1::hislip0,{}::INSTR", port("hislip")));
+    assert_eq!(resources["vxi11"], format!("TCPIP::127.0.0.1,{}::inst0::INSTR", port("vxi11")));
+    let mut client = connect(told["listening"].as_str().expect("text").parse().expect("one"));
+    assert_eq!(client.ask("*IDN?\n*OPC?"), "TEK1\n");
+    client.send(b"NONSENSE\n");
+    assert_eq!(told["strike"], "BENCh:IMPact");
+    client.send(b"BENCh:IMPact\n");
+    while client.ask("BENCh:IMPact?") == "0\n" {}
+    drop(client);
+    let id = child.id().to_string();
+    assert!(Command::new("kill").arg(id).status().expect("kill").success());
+    assert!(child.wait().expect("an end").success());
+    let log = std::fs::read_to_string(file).expect("a log");
+    let found = [
+        "opened",
+        "> *IDN?",
+        "* a fault disturbs TEKTRONIX,TDS 2014",
+        "< 1",
+        "> NONSENSE",
+        "! 113 Undefined header",
+        "bench  impact 1",
+    ];
+    let mut rest = log.as_str();
+    for what in found {
+        let (_, after) = rest.split_once(what).unwrap_or_else(|| panic!("{what} in {log}"));
+        rest = after;
+    }
+    let is_known =
+        |line: &str| [" s  raw 127.0.0.1:", " s  bench  "].iter().any(|who| line.contains(who));
+    assert!(log.lines().all(is_known), "{log}");
+}
