@@ -53,8 +53,7 @@ pub struct Arguments {
     /// Write a line for each connection, command, reply, error and impact, to standard error or to FILE
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "-")]
     log: Option<PathBuf>,
-    /// Disturb replies, trigger or sensors, KIND[@CHn][=VALUE][*COUNT], e.g. late=500ms; may be repeated; --help lists the kinds
-    #[arg(long, value_name = "KIND", long_help = faults_help())]
+    #[arg(long, value_name = "KIND", help = FAULTS_HELP, long_help = faults_help())]
     fault: Vec<Fault>,
     /// Print addresses, resource strings and the command that strikes as one line of JSON
     #[arg(long)]
@@ -74,6 +73,8 @@ enum Switch {
     /// As most programs expect it
     Off,
 }
+
+const FAULTS_HELP: &str = "Disturb replies, trigger or sensors, KIND[@CHn][=VALUE][*COUNT], e.g. late=500ms; may be repeated; --help lists the kinds";
 
 fn faults_help() -> String {
     let mut text = "Disturb replies, trigger or sensors; may be repeated. KIND[@CHn][=VALUE][*COUNT], @CHn: channel n's sensor only; *COUNT: so many replies or impacts only"
@@ -195,9 +196,9 @@ fn announcement(
         ("hislip", hislip.map(|at| format!("TCPIP::{host}::hislip0,{}::INSTR", at.port()))),
         (
             "vxi11",
-            vxi11.map(|at| match is_found {
-                true => format!("TCPIP::{host}::inst0::INSTR"),
-                false => format!("TCPIP::{host},{}::inst0::INSTR", at.port()),
+            vxi11.map(|at| {
+                let port = if is_found { String::new() } else { format!(",{}", at.port()) };
+                format!("TCPIP::{host}{port}::inst0::INSTR")
             }),
         ),
     ];

@@ -272,7 +272,9 @@ impl Fault {
             }
             match self.kind {
                 FaultKind::Clipped(limit) => {
-                    volts.iter_mut().for_each(|value| *value = value.clamp(-limit, limit));
+                    for value in volts {
+                        *value = value.clamp(-limit, limit);
+                    }
                 }
                 FaultKind::Noisy(rms) => {
                     // Not the stream of the scope's own noise, which counts channels from 1.

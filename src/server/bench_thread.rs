@@ -142,7 +142,9 @@ fn strike(
             external: arrived.external,
             shot,
         };
-        faults.iter().for_each(|fault| fault.disturb(&mut signals, seed));
+        for fault in &faults {
+            fault.disturb(&mut signals, seed);
+        }
         (signals, truth)
     });
     let is_hidden = faults.iter().any(Fault::hides_impact);
