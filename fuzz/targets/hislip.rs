@@ -8,8 +8,11 @@
 use hertzscope::hislip::Server;
 use hertzscope::hislip::message::MessageHeader;
 
+#[cfg(not(test))]
 #[path = "../desk.rs"]
 mod desk;
+#[cfg(test)]
+use super::desk;
 use desk::Desk;
 
 /// One input.

@@ -11,8 +11,11 @@ use hertzscope::vxi11::procedure::{ABORT_PROGRAM, CORE_PROGRAM};
 use hertzscope::vxi11::rpc::{MAX_RECORD, call, record};
 use hertzscope::vxi11::{Interrupt, MAX_LINKS, Vxi11Server, port_mapper};
 
+#[cfg(not(test))]
 #[path = "../desk.rs"]
 mod desk;
+#[cfg(test)]
+use super::desk;
 use desk::Desk;
 
 /// One input.

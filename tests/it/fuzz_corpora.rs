@@ -5,6 +5,8 @@ use std::path::Path;
 
 #[path = "../../fuzz/targets/csv.rs"]
 mod csv;
+#[path = "../../fuzz/desk.rs"]
+mod desk;
 #[path = "../../fuzz/targets/hislip.rs"]
 mod hislip;
 #[path = "../../fuzz/targets/isf.rs"]

@@ -164,7 +164,9 @@ fn create_link_on_the_wire() {
     let asked = b"\x80\0\0\x40\xca\xfe\0\x01\0\0\0\0\0\0\0\x02\0\x06\x07\xaf\0\0\0\x01\0\0\0\x0a\
         \0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x12\x34\x56\x78\0\0\0\0\0\0\x27\x10\0\0\0\x05inst0\0\0\0";
     // As a network may cut it.
-    asked.iter().for_each(|byte| lab.bytes(at, &[*byte]));
+    for byte in asked {
+        lab.bytes(at, &[*byte]);
+    }
     let answer = b"\x80\0\0\x28\xca\xfe\0\x01\0\0\0\x01\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\
         \0\0\0\0\0\0\x80\0\0\0\x12\x67\0\x01\0\0";
     assert_eq!(lab.sent(at), answer);
