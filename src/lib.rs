@@ -15,6 +15,7 @@ pub mod fit;
 pub mod hislip;
 pub mod instrument;
 pub mod integrate;
+pub mod lan;
 pub mod magnet;
 pub mod measurement;
 pub mod note;
@@ -34,5 +35,6 @@ pub mod sweep;
 pub mod trace;
 #[cfg(feature = "tui")]
 pub mod tui;
+pub mod vxi11;
 
 pub use experiment::ensemble::Ensemble;

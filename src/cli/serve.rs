@@ -1,24 +1,29 @@
 //! `hertzscope serve`: the scope on the network.
 
 use std::fmt::Write as _;
+use std::fs::File;
 use std::future::pending;
-use std::net::{SocketAddr, TcpListener};
+use std::io::{Write, stderr};
+use std::net::{SocketAddr, TcpListener, UdpSocket};
 use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::Duration;
 
 use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
+use serde_json::json;
 use tokio::sync::mpsc;
 
 use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, facts};
+use crate::instrument::{Fault, fault};
 use crate::quantity::{Dimension, parse};
 use crate::recording::mcap::RecordingWriter;
 use crate::scene::Scene;
 use crate::server::{self, ServerOptions, Sockets};
+use crate::vxi11;
 
-/// Serve the simulated scope to lab programs over the network: a raw TCP socket or HiSLIP
+/// Serve the simulated scope to lab programs over the network: a raw TCP socket, HiSLIP or VXI-11
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// An included scene (`hertzscope scenes` lists them), or the path of a scene file
@@ -30,6 +35,12 @@ pub struct Arguments {
     /// Also listen for HiSLIP on this port of the same address, usually 4880; 0: any that is free
     #[arg(long, value_name = "PORT")]
     hislip: Option<u16>,
+    /// Also listen for VXI-11 on this port of the same address; 0: any that is free
+    #[arg(long, value_name = "PORT")]
+    vxi11: Option<u16>,
+    /// Tell VXI-11 clients that port where they ask: on port 111 as a rule, which needs privileges; 0: any that is free
+    #[arg(long, value_name = "PORT", requires = "vxi11")]
+    port_mapper: Option<u16>,
     /// Strike the chain at this interval, e.g. 2s [default: only when a client sends BENCh:IMPact]
     #[arg(long, value_name = "T", value_parser = period)]
     impact_every: Option<Duration>,
@@ -39,6 +50,14 @@ pub struct Arguments {
     /// Write every command, reply and triggered waveform to this recording (.mcap); if it exists, a number is appended
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
+    /// Write a line for each connection, command, reply, error and impact, to standard error or to FILE
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "-")]
+    log: Option<PathBuf>,
+    #[arg(long, value_name = "KIND", help = FAULTS_HELP, long_help = faults_help())]
+    fault: Vec<Fault>,
+    /// Print addresses, resource strings and the command that strikes as one line of JSON
+    #[arg(long)]
+    json: bool,
     /// Random seed of noise, sampling phase and striker speed [default: the scene's]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
@@ -53,6 +72,17 @@ enum Switch {
     On,
     /// As most programs expect it
     Off,
+}
+
+const FAULTS_HELP: &str = "Disturb replies, trigger or sensors, KIND[@CHn][=VALUE][*COUNT], e.g. late=500ms; may be repeated; --help lists the kinds";
+
+fn faults_help() -> String {
+    let mut text = "Disturb replies, trigger or sensors; may be repeated. KIND[@CHn][=VALUE][*COUNT], @CHn: channel n's sensor only; *COUNT: so many replies or impacts only"
+        .to_owned();
+    for (form, what) in fault::KINDS {
+        let _ = write!(text, "\n  {form:<17}{what}");
+    }
+    text
 }
 
 fn period(text: &str) -> Result<Duration, String> {
@@ -80,13 +110,17 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         )
     })?;
     let address = raw.local_addr()?;
-    let hislip = match arguments.hislip {
-        Some(port) => {
-            let address = SocketAddr::new(address.ip(), port);
-            Some(TcpListener::bind(address).with_context(|| format!("HiSLIP on {address}"))?)
-        }
-        None => None,
+    let at = |port| SocketAddr::new(address.ip(), port);
+    let bind = |port: Option<u16>, what: &str| {
+        let bound = port.map(|port| {
+            TcpListener::bind(at(port)).with_context(|| format!("{what} on {}", at(port)))
+        });
+        bound.transpose()
     };
+    let hislip = bind(arguments.hislip, "HiSLIP")?;
+    let vxi11 = bind(arguments.vxi11, "VXI-11")?;
+    let port_mapper = arguments.port_mapper.map(|port| port_mapper(at(port))).transpose()?;
+    let log = arguments.log.as_deref().map(open_log).transpose()?;
     // After the sockets: a second server on the same port must not empty the first one's recording.
     let recording =
         arguments.record.as_deref().map(|file| create_recording(file, &scene)).transpose()?;
@@ -96,38 +130,16 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             address.ip()
         ));
     }
-    let mut told = format!("listening on {address}");
-    if let Some(hislip) = &hislip {
-        let _ = write!(told, "\nHiSLIP on {}", hislip.local_addr()?);
-    }
-    if arguments.impact_on_enter {
-        told.push_str("\nEnter strikes the chain");
-    }
-    let visa = |address: SocketAddr, kind: &dyn Fn(&str, u16) -> String| {
-        let host =
-            if address.ip().is_unspecified() { "HOST".into() } else { address.ip().to_string() };
-        kind(&host, address.port())
-    };
-    let socket = visa(address, &|host, port| format!("TCPIP::{host}::{port}::SOCKET"));
-    let _ = write!(told, "\nVISA        {socket} (ends of lines: LF)");
-    if let Some(hislip) = &hislip {
-        let hislip = visa(hislip.local_addr()?, &|host, port| {
-            format!("TCPIP::{host}::hislip0,{port}::INSTR")
-        });
-        let _ = write!(told, "\nVISA        {hislip}");
-    }
-    if arguments.impact_every.is_none() {
-        told.push_str("\nto strike   send BENCh:IMPact");
-    }
     let file = recording.as_ref().map(|recording| recording.file().display().to_string());
-    if let Some(file) = &file {
-        let _ = write!(told, "\nrecording   {file}");
-    }
+    let sockets = Sockets { raw, hislip, vxi11, port_mapper };
+    let told = announcement(arguments, &sockets, file.as_deref())?;
     let options = ServerOptions {
         header: arguments.header == Switch::On,
         impact_every: arguments.impact_every,
         warn: Some(|text| super::say(&format!("warning: {text}"))),
         strikes: arguments.impact_on_enter.then(lines),
+        faults: arguments.fault.clone(),
+        log,
     };
     let mut announced = Ok(());
     let shutdown = async {
@@ -138,12 +150,91 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             stopped.await;
         }
     };
-    server::serve(Sockets { raw, hislip }, &scene, options, recording, shutdown)?;
+    server::serve(sockets, &scene, options, recording, shutdown)?;
     announced?;
-    if let Some(file) = &file {
+    if let Some(file) = file.filter(|_| !arguments.json) {
         super::print(&format!("recorded    {file}"))?;
     }
     Ok(())
+}
+
+/// The port mapper's sockets, on the same port.
+fn port_mapper(address: SocketAddr) -> anyhow::Result<(TcpListener, UdpSocket)> {
+    let bound = || {
+        let listener = TcpListener::bind(address)?;
+        let datagrams = UdpSocket::bind(listener.local_addr()?)?;
+        Ok::<_, std::io::Error>((listener, datagrams))
+    };
+    bound().with_context(|| {
+        format!("port mapper on {address} (ports below 1024 need privileges, and 111 is taken where rpcbind runs)")
+    })
+}
+
+fn open_log(file: &Path) -> anyhow::Result<Box<dyn Write + Send>> {
+    if file == Path::new("-") {
+        return Ok(Box::new(stderr()));
+    }
+    let opened = File::create(file).with_context(|| format!("cannot write {}", file.display()))?;
+    Ok(Box::new(opened))
+}
+
+/// Where the server listens, what VISA calls that, and how to strike.
+fn announcement(
+    arguments: &Arguments,
+    sockets: &Sockets,
+    recording: Option<&str>,
+) -> anyhow::Result<String> {
+    let raw = sockets.raw.local_addr()?;
+    let of =
+        |socket: &Option<TcpListener>| socket.as_ref().map(TcpListener::local_addr).transpose();
+    let (hislip, vxi11) = (of(&sockets.hislip)?, of(&sockets.vxi11)?);
+    let mapper = sockets.port_mapper.as_ref().map(|(socket, _)| socket.local_addr()).transpose()?;
+    let host = if raw.ip().is_unspecified() { "HOST".into() } else { raw.ip().to_string() };
+    let is_found = mapper.is_some_and(|address| address.port() == vxi11::port_mapper::PORT);
+    let resources = [
+        ("socket", Some(format!("TCPIP::{host}::{}::SOCKET", raw.port()))),
+        ("hislip", hislip.map(|at| format!("TCPIP::{host}::hislip0,{}::INSTR", at.port()))),
+        (
+            "vxi11",
+            vxi11.map(|at| {
+                let port = if is_found { String::new() } else { format!(",{}", at.port()) };
+                format!("TCPIP::{host}{port}::inst0::INSTR")
+            }),
+        ),
+    ];
+    if arguments.json {
+        let resources: serde_json::Map<_, _> = resources
+            .into_iter()
+            .filter_map(|(name, text)| Some((name.to_owned(), text?.into())))
+            .collect();
+        let told = json!({
+            "listening": raw, "hislip": hislip, "vxi11": vxi11, "port_mapper": mapper,
+            "resources": resources, "strike": "BENCh:IMPact", "recording": recording,
+        });
+        return Ok(told.to_string());
+    }
+    let mut told = format!("listening on {raw}");
+    for (name, address) in [("HiSLIP", hislip), ("VXI-11", vxi11), ("port mapper", mapper)] {
+        if let Some(address) = address {
+            let _ = write!(told, "\n{name} on {address}");
+        }
+    }
+    if arguments.impact_on_enter {
+        told.push_str("\nEnter strikes the chain");
+    }
+    for (name, text) in resources {
+        let note = if name == "socket" { " (ends of lines: LF)" } else { "" };
+        if let Some(text) = text {
+            let _ = write!(told, "\nVISA        {text}{note}");
+        }
+    }
+    if arguments.impact_every.is_none() {
+        told.push_str("\nto strike   send BENCh:IMPact");
+    }
+    if let Some(file) = recording {
+        let _ = write!(told, "\nrecording   {file}");
+    }
+    Ok(told)
 }
 
 fn create_recording(file: &Path, scene: &Scene) -> anyhow::Result<RecordingWriter> {

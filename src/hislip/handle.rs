@@ -2,10 +2,11 @@
 //!
 //! Remote and local control: what the control codes of `AsyncRemoteLocalControl` ask for. Source: IVI-6.1, table 17.
 
-use super::lock::{Grant, LockRequest, Released};
 use super::message::{DecodedPiece, FIRST_VENDOR_TYPE, MAX_PAYLOAD, MessageHeader, MessageType};
-use super::server::{Device, Server, error, fatal};
+use super::server::{Server, error, fatal};
 use super::session::Release;
+use crate::lan::Device;
+use crate::lan::lock::{Grant, LockRequest, Released};
 
 /// How long a release waits for the message that was sent before it (s).
 const RELEASE_TIMEOUT: f64 = 1.0;
@@ -102,13 +103,16 @@ impl Server {
                     session.delivered();
                 }
                 let (byte, _) = instrument.status(session.message_available());
-                let byte = session.read_status(byte);
+                let byte = session.service.read(byte);
                 self.send(from, MessageType::AsyncStatusResponse, (byte, 0), &[]);
             }
-            Some(MessageType::AsyncLock) => self.lock(number, from, header, payload),
+            Some(MessageType::AsyncLock) => {
+                self.lock(number, (from, header), payload, instrument);
+            }
             Some(MessageType::AsyncLockInfo) => {
-                let holders = u32::try_from(self.locks.holders()).unwrap_or(u32::MAX);
-                let exclusive = u8::from(self.locks.is_exclusive());
+                let locks = instrument.locks();
+                let holders = u32::try_from(locks.holders()).unwrap_or(u32::MAX);
+                let exclusive = u8::from(locks.is_exclusive());
                 self.send(from, MessageType::AsyncLockInfoResponse, (exclusive, holders), &[]);
             }
             Some(MessageType::AsyncRemoteLocalControl) => {
@@ -128,7 +132,13 @@ impl Server {
         }
     }
 
-    fn lock(&mut self, number: u16, from: u64, header: MessageHeader, key: &[u8]) {
+    fn lock(
+        &mut self,
+        number: u16,
+        (from, header): (u64, MessageHeader),
+        key: &[u8],
+        instrument: &mut dyn Device,
+    ) {
         let Some(session) = self.sessions.get_mut(&number) else { return };
         match header.control {
             1 => {
@@ -137,7 +147,7 @@ impl Server {
                     self.answer_lock(number, Grant::Busy);
                 }
                 let until = self.now + f64::from(header.parameter) / 1e3;
-                match self.locks.request(number, key) {
+                match instrument.locks().request(number, key) {
                     Grant::Busy if header.parameter > 0 => {
                         self.queue.insert(number, LockRequest { key: key.to_vec(), until });
                     }
@@ -168,19 +178,19 @@ impl Server {
     pub(super) fn settle(&mut self, instrument: &mut dyn Device) {
         let numbers: Vec<u16> = self.sessions.keys().copied().collect();
         for number in &numbers {
-            self.complete_release(*number);
+            self.complete_release(*number, instrument);
         }
         let waiting: Vec<u16> = self.queue.keys().copied().collect();
         for number in waiting {
             let Some(request) = self.queue.get(&number) else { continue };
-            let grant = self.locks.request(number, &request.key);
+            let grant = instrument.locks().request(number, &request.key);
             if grant != Grant::Busy || request.until <= self.now {
                 self.queue.remove(&number);
                 self.answer_lock(number, grant);
             }
         }
         for number in numbers {
-            if !self.locks.may_act(number) {
+            if !instrument.locks().may_act(number) {
                 continue;
             }
             let held = self.sessions.get_mut(&number).map(|s| std::mem::take(&mut s.held));
@@ -192,7 +202,7 @@ impl Server {
         }
     }
 
-    fn complete_release(&mut self, number: u16) {
+    fn complete_release(&mut self, number: u16, instrument: &mut dyn Device) {
         let Some(session) = self.sessions.get_mut(&number) else { return };
         let Some(release) = session.release else { return };
         if session.awaits(release.after) && release.until > self.now {
@@ -200,7 +210,7 @@ impl Server {
         }
         session.release = None;
         let Some(connection) = session.asynchronous else { return };
-        let code = match self.locks.release(number) {
+        let code = match instrument.locks().release(number) {
             Released::Exclusive => 1,
             Released::Shared => 2,
             Released::Nothing => 3,

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::lock::{Locks, Queue};
 use super::message::{DecodedPiece, Decoder, MAX_PAYLOAD, MessageType, write};
 use super::session::HislipSession;
+use crate::lan::lock::Queue;
+use crate::lan::{Device, FIRST_LINK, Outgoing};
 
 /// Protocol that is spoken, 1.0, in the upper half; the session's number goes below.
 const PROTOCOL_VERSION: u32 = 0x0100 << 16;
@@ -36,41 +37,6 @@ pub(super) mod error {
     pub const MESSAGE_TOO_LARGE: u8 = 4;
 }
 
-/// The device that executes the sessions' messages.
-pub trait Device {
-    /// A session begins on this connection.
-    fn open(&mut self, session: u16, connection: u64);
-    /// A session has ended.
-    fn close(&mut self, session: u16);
-    /// Takes bytes of a message, whose last they are if `end`; returns the reply, if there is one at once.
-    fn input(&mut self, session: u16, bytes: &[u8], end: bool) -> Vec<u8>;
-    /// Whether a reply to an earlier message is still to come.
-    fn owes_reply(&self, session: u16) -> bool;
-    /// Whether a message waits for the end of an acquisition.
-    fn is_waiting(&self, session: u16) -> bool;
-    /// Another message came before the reply was read.
-    fn interrupt(&mut self, session: u16);
-    /// Device clear.
-    fn clear(&mut self, session: u16);
-    /// Device trigger.
-    fn trigger(&mut self, session: u16);
-    /// The front panel's keys.
-    fn lock_keys(&mut self, locked: bool);
-    /// The status byte, and the parts of it that ask for service.
-    fn status(&self, message_available: bool) -> (u8, u8);
-}
-
-/// Bytes to be sent on a connection.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Outgoing {
-    /// Number of the connection.
-    pub connection: u64,
-    /// The bytes.
-    pub bytes: Vec<u8>,
-    /// Whether the connection is to be closed afterwards.
-    pub close: bool,
-}
-
 /// A connection.
 #[derive(Debug, Clone, Default)]
 struct Connection {
@@ -86,7 +52,6 @@ struct Connection {
 pub struct Server {
     connections: BTreeMap<u64, Connection>,
     pub(super) sessions: BTreeMap<u16, HislipSession>,
-    pub(super) locks: Locks,
     pub(super) queue: Queue,
     output: Vec<Outgoing>,
     pub(super) now: f64,
@@ -136,7 +101,7 @@ impl Server {
         let gone = self.connections.remove(&connection);
         let Some(number) = gone.and_then(|gone| gone.session) else { return };
         let Some(session) = self.sessions.remove(&number) else { return };
-        self.locks.remove_session(number);
+        instrument.locks().remove_session(number);
         self.queue.remove(&number);
         instrument.close(number);
         for other in [Some(session.synchronous), session.asynchronous].into_iter().flatten() {
@@ -188,7 +153,7 @@ impl Server {
         self.settle(instrument);
         for session in self.sessions.values_mut() {
             let (byte, enabled) = instrument.status(session.message_available());
-            let asks = session.asks_for_service(byte, enabled);
+            let asks = session.service.is_due(byte, enabled);
             let Some(connection) = session.asynchronous.filter(|_| asks) else { continue };
             let mut bytes = Vec::new();
             write(MessageType::AsyncServiceRequest, byte, 0, &[], &mut bytes);
@@ -241,7 +206,7 @@ impl Server {
         match MessageType::from_code(header.code) {
             Some(MessageType::Initialize) => {
                 let known = payload.is_empty() || payload.eq_ignore_ascii_case(b"hislip0");
-                let free = (1..u16::MAX).find(|number| !self.sessions.contains_key(number));
+                let free = (1..FIRST_LINK).find(|number| !self.sessions.contains_key(number));
                 let (Some(number), true) = (free, known) else {
                     let reason = "the instrument's name is hislip0";
                     return self.refuse(
@@ -303,7 +268,7 @@ impl Server {
                     return self.refuse(from, fatal::CHANNEL_NOT_ESTABLISHED, reason, instrument);
                 }
                 let clears = header.code == MessageType::DeviceClearComplete.code();
-                let waits = !session.held.is_empty() || !self.locks.may_act(number);
+                let waits = !session.held.is_empty() || !instrument.locks().may_act(number);
                 if waits && !clears && !session.clearing {
                     session.held.push(piece);
                 } else {

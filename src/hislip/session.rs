@@ -1,6 +1,7 @@
 //! One session: what it remembers between two messages.
 
 use super::message::{DecodedPiece, HEADER_BYTES, MessageType, write};
+use crate::lan::ServiceRequest;
 
 /// Identifier of a client's first message after the start and after a device clear.
 const FIRST_MESSAGE_ID: u32 = 0xFFFF_FF00;
@@ -10,8 +11,6 @@ const NO_MESSAGE_ID: u32 = 0xFFFF_FFFF;
 const MIN_MESSAGE_LIMIT: u64 = 64;
 /// Payload of a reply's part where the client names no limit (bytes).
 const DEFAULT_PAYLOAD_LIMIT: usize = 1 << 20;
-/// Bit of the status byte: the instrument asks for service.
-const SERVICE_REQUEST_BIT: u8 = 1 << 6;
 
 /// A release that waits for the message that was sent before it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,16 +42,8 @@ pub struct HislipSession {
     within_message: bool,
     /// A reply was sent that the client has not called delivered.
     undelivered: bool,
-    service: Service,
-}
-
-/// Whether the client has been told of a service request.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-struct Service {
-    /// Reasons that were told.
-    reasons: u8,
-    /// Whether one was told since the status byte was read.
-    asked: bool,
+    /// What the client knows of service requests.
+    pub service: ServiceRequest,
 }
 
 impl HislipSession {
@@ -68,7 +59,7 @@ impl HislipSession {
             last: None,
             within_message: false,
             undelivered: false,
-            service: Service::default(),
+            service: ServiceRequest::default(),
         }
     }
 
@@ -134,20 +125,5 @@ impl HislipSession {
     /// The client has called the last reply delivered.
     pub fn delivered(&mut self) {
         self.undelivered = false;
-    }
-
-    /// Whether `byte`, with `enabled` parts of it, is a new reason to ask for service.
-    pub fn asks_for_service(&mut self, byte: u8, enabled: u8) -> bool {
-        let reasons = byte & enabled & !SERVICE_REQUEST_BIT;
-        let new = reasons & !self.service.reasons != 0;
-        self.service.reasons = reasons;
-        self.service.asked |= new;
-        new
-    }
-
-    /// `byte` with the bit that tells whether service was asked for; reading it answers the request.
-    pub fn read_status(&mut self, byte: u8) -> u8 {
-        let asked = std::mem::take(&mut self.service.asked);
-        (byte & !SERVICE_REQUEST_BIT) | if asked { SERVICE_REQUEST_BIT } else { 0 }
     }
 }

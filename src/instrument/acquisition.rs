@@ -98,6 +98,11 @@ impl Acquisition {
         self.running
     }
 
+    /// Where in its signals the record on its way was triggered.
+    pub fn trigger_on_its_way(&self) -> Option<TriggerInstant> {
+        self.in_flight.as_ref().and_then(|record| record.trigger)
+    }
+
     /// Records taken since the acquisition was started.
     pub fn count(&self) -> u32 {
         self.count
@@ -267,6 +272,10 @@ impl Acquisition {
     /// Records of inputs at which nothing happens.
     fn quiet(&mut self, by: &Acquirer<'_>) -> Vec<Waveform> {
         self.shots = self.shots.wrapping_add(1);
+        let shot = u32::MAX - self.shots;
+        if let Some(records) = by.take_quiet(shot) {
+            return records;
+        }
         let interval = by.setup.signal_interval();
         let (start, end) = by.setup.record_span();
         let silence = vec![0.0; samples((end - start) / interval) + 1];
@@ -276,7 +285,7 @@ impl Acquisition {
             automatic: silence.len() / 2,
             volts: vec![silence],
             external: Vec::new(),
-            shot: u32::MAX - self.shots,
+            shot,
         };
         let mut setup = by.setup.clone();
         setup.trigger.mode = TriggerMode::Auto;

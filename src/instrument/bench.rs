@@ -2,6 +2,9 @@
 //!
 //! Numbers are clamped into what can be simulated in reasonable time. An instrument without a bench has none of this.
 
+use super::fault::Faults;
+use crate::trace::Trace;
+
 /// Lightest and heaviest striker (kg).
 const STRIKER_MASS_RANGE: (f64, f64) = (1e-5, 0.1);
 /// Slowest and fastest striker (m/s).
@@ -35,6 +38,13 @@ pub struct RemoteBench {
     pub impacts: u32,
     /// Impacts asked for and not carried out.
     pub asked: u32,
+    /// Faults on demand.
+    pub faults: Faults,
+    /// True force at the sensor of each channel in the last impact, over the time after the striker's first contact; none for a channel that has no
+    /// sensor.
+    pub forces: Vec<Option<Trace>>,
+    /// Time of the scope's trigger in that impact after the striker's first contact, where it has triggered (s).
+    pub triggered_at: Option<f64>,
 }
 
 impl RemoteBench {

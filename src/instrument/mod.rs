@@ -9,6 +9,7 @@ pub mod acquisition;
 mod autoset;
 pub mod bench;
 pub mod event;
+pub mod fault;
 pub mod limits;
 pub mod math;
 pub mod measure;
@@ -26,6 +27,7 @@ pub mod word;
 
 pub use bench::RemoteBench;
 pub use event::Event;
+pub use fault::{Fault, Faults};
 pub use outcome::{Accepted, Finished, TriggerInstant};
 pub use panel::Panel;
 pub use preparation::{Preparation, Prepared};
@@ -225,6 +227,11 @@ impl Instrument {
     /// The records of the last acquisition that was triggered, or that ended a single sequence, if they have not been read since.
     pub fn take_finished(&mut self) -> Option<Finished> {
         self.acquisition.take_finished()
+    }
+
+    /// Time of the trigger of the record that is on its way, after the first sample of its signals (s).
+    pub fn trigger_time(&self) -> Option<f64> {
+        self.acquisition.trigger_on_its_way().map(|trigger| trigger.time)
     }
 
     /// Starts an acquisition.

@@ -4,9 +4,9 @@ use std::f64::consts::TAU;
 
 use super::outcome::TriggerInstant;
 use super::panel::{Panel, PulsePolarity, PulseWhen, TriggerType};
-use crate::scope::acquire::{TriggerPosition, digitise, find_trigger};
+use crate::scope::acquire::{TriggerPosition, digitise, find_trigger, record};
 use crate::scope::front_end::{condition, noise_stream};
-use crate::scope::{Setup, Source, TriggerMode, TriggerSource, Waveform};
+use crate::scope::{AcquireMode, Setup, Source, TriggerMode, TriggerSource, Waveform};
 
 /// Signals at the inputs: volts at the probes' tips on one sample grid.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -81,6 +81,25 @@ impl Acquirer<'_> {
         let records =
             numbers.zip(&conditioned).filter_map(|(n, s)| record(n, s.as_ref())).collect();
         Some((records, TriggerInstant { shot: signals.shot, time: found.index as f64 * interval }))
+    }
+
+    /// The records of inputs at which nothing happens, at a time base whose signals are denser than its records: noise is drawn at the record's points alone,
+    /// as there are hundreds of samples between them. None at other time bases, and for peak detection, which shows these samples.
+    pub fn take_quiet(&self, shot: u32) -> Option<Vec<Waveform>> {
+        let setup = self.setup;
+        let interval = setup.model.interval(setup.time_base);
+        let is_sparse = setup.acquisition.mode != AcquireMode::PeakDetect
+            && setup.signal_interval() < (1.0 - INTERVAL_TOLERANCE) * interval;
+        let silence = vec![0.0; setup.model.record_length];
+        let quiet = |number: u8| {
+            let channel = setup.channels.get(usize::from(number) - 1)?.as_ref()?;
+            self.panel.records(number).then(|| {
+                let mut noise = noise_stream(self.seed, shot, number);
+                let volts = condition(setup, channel, interval, &silence, &mut noise);
+                record(setup, Source::Channel(number), channel, volts)
+            })
+        };
+        is_sparse.then(|| (1..=setup.model.channels).filter_map(quiet).collect())
     }
 
     /// Whether `signals` were made for the time base of this set-up, and have its sample interval, to rounding.

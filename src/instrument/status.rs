@@ -15,6 +15,8 @@ pub struct Status {
     released: VecDeque<Event>,
     capacity: usize,
     completion_asked: bool,
+    /// Events since the last look, whether they are noticed or not.
+    reported: Vec<Event>,
     /// Events that are noticed at all (`DESE`).
     pub device_enable: u8,
     /// Events that show in the status byte (`*ESE`).
@@ -41,6 +43,7 @@ impl Status {
             released: VecDeque::new(),
             capacity: capacity.max(1),
             completion_asked: false,
+            reported: Vec::new(),
             device_enable: u8::MAX,
             event_enable: 0,
             service_enable: 0,
@@ -50,8 +53,16 @@ impl Status {
         status
     }
 
+    /// The events that were reported since the last call, the first ones if they were many.
+    pub fn take_reported(&mut self) -> Vec<Event> {
+        std::mem::take(&mut self.reported)
+    }
+
     /// Books an event, if `DESE` lets it through. A full queue ends in [`Event::QueueOverflow`].
     pub fn report(&mut self, event: Event) {
+        if self.reported.len() < self.capacity {
+            self.reported.push(event);
+        }
         if event.bit() & self.device_enable == 0 {
             return;
         }

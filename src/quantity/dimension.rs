@@ -57,6 +57,7 @@ dimensions! {
     CAPACITANCE: whole([-1, -2, 4, 2, 0, 0]), "a capacitance (F)";
     DIVISION: whole([0, 0, 0, 0, 0, 1]), "a number of divisions (div)";
     VOLTAGE_PER_DIVISION: whole([1, 2, -3, -1, 0, -1]), "a vertical scale (V/div)", "500 mV/div";
+    VOLTAGE_PER_TIME: whole([1, 2, -4, -1, 0, 0]), "a drift (V/s)", "20 V/s";
     TIME_PER_DIVISION: whole([0, 0, 1, 0, 0, -1]), "a time base (s/div)", "250 us/div";
 }
 

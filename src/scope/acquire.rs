@@ -95,14 +95,23 @@ pub fn digitise(
     signal: &[f64],
     trigger: usize,
 ) -> Waveform {
+    let record = record(setup, source, channel, points(setup, signal, trigger));
+    if setup.acquisition.mode == AcquireMode::PeakDetect {
+        envelope(record, setup, signal, trigger)
+    } else {
+        record
+    }
+}
+
+/// The record of a channel's `volts` at the record's points (V).
+pub fn record(setup: &Setup, source: Source, channel: &ChannelSetup, volts: Vec<f64>) -> Waveform {
     let model = &setup.model;
     let interval = model.interval(setup.time_base);
     let trigger_point = setup.trigger_point();
     let vertical = channel.vertical;
-    let codes = points(setup, signal, trigger);
-    let record = Waveform {
+    Waveform {
         source,
-        codes: codes.into_iter().map(|volts| level(&vertical, volts)).collect(),
+        codes: volts.into_iter().map(|volts| level(&vertical, volts)).collect(),
         preamble: Preamble {
             x_zero: -trigger_point * interval,
             x_incr: interval,
@@ -117,11 +126,6 @@ pub fn digitise(
         vertical,
         horizontal_scale: setup.time_base,
         trigger_point,
-    };
-    if setup.acquisition.mode == AcquireMode::PeakDetect {
-        envelope(record, setup, signal, trigger)
-    } else {
-        record
     }
 }
 

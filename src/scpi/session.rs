@@ -30,6 +30,8 @@ struct Progress {
     replies: Vec<Vec<u8>>,
     raw: Vec<u8>,
     indefinite: bool,
+    /// Whether the instrument replies, and not only the bench behind it.
+    by_instrument: bool,
     /// Units still to come of those that `*TRG` stands for, and the path behind them.
     trigger: (usize, Vec<String>),
 }
@@ -54,6 +56,7 @@ pub struct Session {
     waiting: Option<Progress>,
     backlog: VecDeque<Vec<u8>>,
     transcript: Option<Vec<TranscriptLine>>,
+    by_instrument: bool,
 }
 
 impl Session {
@@ -65,6 +68,7 @@ impl Session {
             waiting: None,
             backlog: VecDeque::new(),
             transcript: None,
+            by_instrument: false,
         }
     }
 
@@ -76,6 +80,11 @@ impl Session {
     /// The messages received and sent since the last call.
     pub fn take_transcript(&mut self) -> Vec<TranscriptLine> {
         self.transcript.as_mut().map(std::mem::take).unwrap_or_default()
+    }
+
+    /// Whether the instrument made the last reply, and not only the bench behind it.
+    pub fn is_by_instrument(&self) -> bool {
+        self.by_instrument
     }
 
     /// How replies look.
@@ -238,6 +247,9 @@ impl Session {
                 }
             }
         }
+        if !(progress.replies.is_empty() && progress.raw.is_empty()) {
+            self.by_instrument = progress.by_instrument || !progress.raw.is_empty();
+        }
         if !progress.replies.is_empty() {
             let start = out.len();
             out.extend_from_slice(&progress.replies.join(&b';'));
@@ -289,6 +301,7 @@ impl Session {
             return Err(Event::QueryAfterIndefinite.into());
         }
         let answers = tree::query(found, &mut at)?;
+        progress.by_instrument |= !found.row.header.starts_with("BENCh");
         let is_setup = matches!(found.row.header, "SET" | "*LRN");
         let header = self.preferences.header || is_setup;
         let preferences = Preferences { header, ..self.preferences };

@@ -39,6 +39,12 @@ impl ReplyValue {
         Self::Word(if on { "ON" } else { "OFF" })
     }
 
+    /// Bytes behind their count, `#<n><length><bytes>`.
+    pub fn block(bytes: &[u8]) -> Self {
+        let length = bytes.len().to_string();
+        Self::Block([format!("#{}{length}", length.len()).as_bytes(), bytes].concat())
+    }
+
     /// Appends what the instrument writes; `verbose` writes words in full.
     pub fn write(&self, verbose: bool, out: &mut Vec<u8>) {
         let text = match self {

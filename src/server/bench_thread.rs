@@ -11,14 +11,20 @@ use tokio::sync::mpsc;
 use super::ServeError;
 use crate::experiment::RunError;
 use crate::experiment::inputs::{InputWindow, inputs};
-use crate::instrument::{Instrument, Preparation, Prepared, SampleWindow, Signals};
+use crate::instrument::{Fault, Instrument, Preparation, Prepared, SampleWindow, Signals};
 use crate::scene::Scene;
 use crate::trace::Trace;
 
 /// Work for the thread.
 enum BenchOrder {
     /// A strike to be made.
-    Strike { scene: Arc<Scene>, wanted: SampleWindow, shot: u32, preparation: Box<Preparation> },
+    Strike {
+        scene: Arc<Scene>,
+        wanted: SampleWindow,
+        shot: u32,
+        faults: (Vec<Fault>, u64),
+        preparation: Box<Preparation>,
+    },
     /// Records to be made again, with other settings.
     Prepare { struck: Box<StrikeSignals>, preparation: Box<Preparation> },
 }
@@ -41,6 +47,8 @@ pub struct StrikeSignals {
     pub wanted: SampleWindow,
     /// The signals at the scope's inputs, and the ground truth.
     pub signals: Result<(Signals, GroundTruth), RunError>,
+    /// Whether the scope does not trigger on them.
+    pub is_hidden: bool,
     /// The records of the signals.
     pub prepared: Option<Prepared>,
     /// How often records were made of them.
@@ -66,8 +74,8 @@ impl BenchHandle {
         thread::Builder::new().name("bench".to_owned()).spawn(move || {
             for order in inbox {
                 let (struck, preparation) = match order {
-                    BenchOrder::Strike { scene, wanted, shot, preparation } => {
-                        (strike(scene, wanted, shot), preparation)
+                    BenchOrder::Strike { scene, wanted, shot, faults, preparation } => {
+                        (strike(scene, wanted, shot, faults), preparation)
                     }
                     BenchOrder::Prepare { struck, preparation } => (*struck, preparation),
                 };
@@ -87,7 +95,9 @@ impl BenchHandle {
         }
         let (wanted, preparation) = (instrument.sample_window(), instrument.preparation());
         let preparation = Box::new(preparation);
-        let order = BenchOrder::Strike { scene: Arc::clone(scene), wanted, shot, preparation };
+        let faults = (instrument.bench.faults.of_impact(), scene.seed);
+        let scene = Arc::clone(scene);
+        let order = BenchOrder::Strike { scene, wanted, shot, faults, preparation };
         let free = self.orders.try_send(order).is_ok();
         if free {
             self.shots = shot;
@@ -114,12 +124,17 @@ impl BenchHandle {
     }
 }
 
-fn strike(scene: Arc<Scene>, wanted: SampleWindow, shot: u32) -> StrikeSignals {
+fn strike(
+    scene: Arc<Scene>,
+    wanted: SampleWindow,
+    shot: u32,
+    (faults, seed): (Vec<Fault>, u64),
+) -> StrikeSignals {
     let SampleWindow { time_base, interval, before, after } = wanted;
     let window = InputWindow { interval, before, after };
     let signals = inputs(&scene, window, shot).map(|arrived| {
         let truth = GroundTruth { start: arrived.start, traces: arrived.truth };
-        let signals = Signals {
+        let mut signals = Signals {
             time_base: Some(time_base),
             interval: arrived.interval,
             automatic: arrived.contact,
@@ -127,9 +142,13 @@ fn strike(scene: Arc<Scene>, wanted: SampleWindow, shot: u32) -> StrikeSignals {
             external: arrived.external,
             shot,
         };
+        for fault in &faults {
+            fault.disturb(&mut signals, seed);
+        }
         (signals, truth)
     });
-    StrikeSignals { shot, scene, wanted, signals, prepared: None, attempts: 0 }
+    let is_hidden = faults.iter().any(Fault::hides_impact);
+    StrikeSignals { shot, scene, wanted, signals, is_hidden, prepared: None, attempts: 0 }
 }
 
 /// `struck` with records of its signals.

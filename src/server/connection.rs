@@ -11,6 +11,8 @@ use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::net::TcpStream;
 use tokio::sync::{mpsc, oneshot};
 
+/// Delay before accepting again after an error, e.g. when file handles have run out.
+pub const ACCEPT_RETRY_DELAY: Duration = Duration::from_millis(20);
 /// Longest piece of input that is handed on at once (bytes).
 const PIECE: usize = 1024;
 /// Time without a byte after which the system asks whether the client is there.
@@ -29,6 +31,19 @@ pub enum Protocol {
     Raw,
     /// HiSLIP.
     Hislip,
+    /// VXI-11.
+    Vxi11,
+}
+
+impl Protocol {
+    /// How logs and recordings name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Raw => "raw",
+            Self::Hislip => "hislip",
+            Self::Vxi11 => "vxi11",
+        }
+    }
 }
 
 /// Events of a connection.
@@ -155,8 +170,7 @@ async fn exchange(
     stream.set_nodelay(true)?;
     acknowledge(&stream)?;
     keep_alive(&stream)?;
-    let mut beginning =
-        Beginning { is_known: protocol == Protocol::Hislip, ..Beginning::default() };
+    let mut beginning = Beginning { is_known: protocol != Protocol::Raw, ..Beginning::default() };
     let mut buffer = [0; PIECE];
     let mut asked = false;
     loop {

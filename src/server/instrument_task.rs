@@ -8,15 +8,19 @@ use tokio::sync::mpsc;
 use tokio::time::{Instant, Interval, MissedTickBehavior, interval_at};
 
 use super::bench_state::BenchState;
-use super::bench_thread::{BenchHandle, StrikeSignals};
+use super::bench_thread::{BenchHandle, GroundTruth, StrikeSignals};
 use super::connection::{ConnectionEvent, OutgoingBytes, Protocol};
+use super::interrupt_channels::InterruptChannels;
+use super::log::Log;
 use super::recorder::{Recorder, TriggeredShot};
 use super::sessions::{SessionId, Sessions};
 use super::{ServeError, ServerOptions};
 use crate::hislip;
 use crate::instrument::acquisition::State;
 use crate::instrument::{Accepted, Event, Instrument};
+use crate::recording::TrueSignal;
 use crate::scene::Scene;
+use crate::vxi11;
 
 /// Period at which the instrument is told the time.
 const TICK: Duration = Duration::from_millis(5);
@@ -54,6 +58,10 @@ pub struct InstrumentTask {
     sessions: Sessions,
     connections: BTreeMap<u64, ConnectionEntry>,
     hislip: hislip::Server,
+    vxi11: vxi11::Vxi11Server,
+    interrupts: InterruptChannels,
+    /// What becomes of interrupt channels.
+    interrupt_news: mpsc::Receiver<(u64, bool)>,
     /// Input of raw connections that is to be executed, a message at a turn.
     pieces: VecDeque<RawPiece>,
     bench: BenchHandle,
@@ -69,19 +77,28 @@ pub struct InstrumentTask {
 }
 
 impl InstrumentTask {
-    /// Switches the instrument on, set as in the scene.
+    /// Switches the instrument on, set as in the scene; VXI-11 is spoken on `port`.
     pub fn new(
         scene: &Scene,
-        options: ServerOptions,
+        (options, port): (ServerOptions, u16),
         bench: BenchHandle,
         recorder: Option<Recorder>,
     ) -> Self {
         let mut instrument = Instrument::of(&scene.scope, scene.seed);
         let bench_state = BenchState::new(scene, &mut instrument);
+        for fault in options.faults {
+            instrument.bench.faults.add(fault);
+        }
+        let warn = options.warn.unwrap_or(|_| ());
+        let behaviour = (options.header, scene.seed);
+        let (interrupts, interrupt_news) = InterruptChannels::new();
         Self {
-            sessions: Sessions::new(instrument, options.header, recorder),
+            sessions: Sessions::new(instrument, behaviour, recorder, Log::new(options.log, warn)),
             connections: BTreeMap::new(),
             hislip: hislip::Server::default(),
+            vxi11: vxi11::Vxi11Server::new(port),
+            interrupts,
+            interrupt_news,
             pieces: VecDeque::new(),
             bench,
             bench_state,
@@ -89,7 +106,7 @@ impl InstrumentTask {
             orders: options.strikes,
             caught: None,
             lost_recording: None,
-            warn: options.warn.unwrap_or(|_| ()),
+            warn,
             switched_on: Instant::now(),
         }
     }
@@ -116,6 +133,9 @@ impl InstrumentTask {
                     let struck = struck?;
                     self.advance_time();
                     self.deliver_signals(struck)?;
+                }
+                Some((number, is_open)) = self.interrupt_news.recv() => {
+                    self.vxi11.interrupt_channel(number, is_open);
                 }
                 () = tick(strikes.as_mut()) => {
                     self.strike();
@@ -156,6 +176,7 @@ impl InstrumentTask {
         let now = self.switched_on.elapsed().as_secs_f64();
         self.sessions.instrument.advance(now);
         self.hislip.advance(now, &mut self.sessions);
+        self.vxi11.advance(now, &mut self.sessions);
     }
 
     fn handle_event(&mut self, news: ConnectionEvent) {
@@ -175,6 +196,7 @@ impl InstrumentTask {
                 match protocol {
                     Protocol::Raw => self.sessions.open_session(SessionId::Raw(number), number),
                     Protocol::Hislip => self.hislip.opened(number),
+                    Protocol::Vxi11 => self.vxi11.opened(number, peer.ip()),
                 }
             }
             ConnectionEvent::Bytes { number, bytes } => {
@@ -187,6 +209,7 @@ impl InstrumentTask {
                         self.pieces.push_back(RawPiece { number, bytes, reply: Vec::new() });
                     }
                     Protocol::Hislip => self.hislip.received(number, &bytes, &mut self.sessions),
+                    Protocol::Vxi11 => self.vxi11.received(number, &bytes, &mut self.sessions),
                 }
             }
             ConnectionEvent::Ended { number } => {
@@ -234,12 +257,17 @@ impl InstrumentTask {
 
     /// Delivers the signals of one impact to the instrument.
     fn deliver_signals(&mut self, struck: StrikeSignals) -> Result<(), ServeError> {
-        let StrikeSignals { shot, scene, wanted, signals, mut prepared, attempts } = struck;
+        let StrikeSignals { shot, scene, wanted, signals, is_hidden, mut prepared, attempts } =
+            struck;
         let instrument = &mut self.sessions.instrument;
         match signals {
             Ok((signals, truth)) => {
                 if attempts == 1 {
-                    instrument.bench.impacts = instrument.bench.impacts.saturating_add(1);
+                    keep_forces(&scene, &truth, instrument);
+                    self.sessions.log.line("bench", &format!("impact {shot}"));
+                }
+                if is_hidden {
+                    return Ok(());
                 }
                 // The time base was turned during the impact: the acquisition has started again without it, as on an instrument.
                 if wanted != instrument.sample_window() {
@@ -251,13 +279,22 @@ impl InstrumentTask {
                     // Another knob was turned: the same signals are recorded as it stands now.
                     if attempts < MOST_ATTEMPTS {
                         let signals = Ok((signals, truth));
-                        let again =
-                            StrikeSignals { shot, scene, wanted, signals, prepared, attempts };
+                        let again = StrikeSignals {
+                            shot,
+                            scene,
+                            wanted,
+                            signals,
+                            is_hidden,
+                            prepared,
+                            attempts,
+                        };
                         self.bench.prepare_again(again, instrument);
                     }
                     return Ok(());
                 };
                 if matches!(accepted, Accepted::Triggered { .. }) {
+                    instrument.bench.triggered_at =
+                        instrument.trigger_time().map(|t| truth.start + t);
                     let is_served = self.bench_state.is_served(&scene);
                     self.caught = Some(TriggeredShot { shot, truth, scene, is_served });
                 }
@@ -285,6 +322,7 @@ impl InstrumentTask {
         let is_free = |number: u64, connection: &ConnectionEntry| {
             !connection.asked
                 && !self.hislip.is_waiting(number, &self.sessions)
+                && !self.vxi11.is_waiting(number, &self.sessions)
                 && !self.sessions.is_waiting(SessionId::Raw(number))
         };
         let free = self.connections.iter().filter(|(number, entry)| is_free(**number, entry));
@@ -294,7 +332,12 @@ impl InstrumentTask {
     }
 
     fn strike(&mut self) -> bool {
-        self.bench.strike(&self.bench_state.scene, &self.sessions.instrument)
+        let instrument = &mut self.sessions.instrument;
+        let struck = self.bench.strike(&self.bench_state.scene, instrument);
+        if struck {
+            instrument.bench.faults.count_impact();
+        }
+        struck
     }
 
     /// Strikes as clients ask for, when the scope can see it.
@@ -311,10 +354,18 @@ impl InstrumentTask {
         for (id, bytes) in self.sessions.resume() {
             match id {
                 SessionId::Raw(number) => self.send_bytes(number, bytes, false),
-                SessionId::Hislip(session) => self.hislip.reply(session, &bytes),
+                SessionId::Lan(session) => {
+                    self.hislip.reply(session, &bytes);
+                    self.vxi11.reply(session, &bytes);
+                }
             }
         }
-        for output in self.hislip.take_output() {
+        self.vxi11.settle(&mut self.sessions);
+        for interrupt in self.vxi11.take_interrupts() {
+            self.interrupts.act(interrupt);
+        }
+        let outputs = self.hislip.take_output().into_iter().chain(self.vxi11.take_output());
+        for output in outputs.collect::<Vec<_>>() {
             self.send_bytes(output.connection, output.bytes, false);
             if output.close {
                 self.connections.remove(&output.connection);
@@ -354,19 +405,29 @@ impl InstrumentTask {
     }
 
     /// Sends bytes; drops a connection whose queue of answers is full, since its client does not read.
-    fn send_bytes(&mut self, number: u64, bytes: Vec<u8>, to_piece: bool) {
+    fn send_bytes(&mut self, number: u64, mut bytes: Vec<u8>, to_piece: bool) {
         let Some(connection) = self.connections.get(&number) else { return };
+        let mut drops = false;
+        if let Some(left) = self.sessions.drops.get_mut(&number) {
+            drops = bytes.len() >= *left;
+            bytes.truncate(*left);
+            *left -= bytes.len();
+        }
         let nothing = bytes.is_empty() && !to_piece;
-        if !nothing && connection.answers.try_send(OutgoingBytes { bytes, to_piece }).is_err() {
+        let sent =
+            nothing || connection.answers.try_send(OutgoingBytes { bytes, to_piece }).is_ok();
+        if drops || !sent {
             self.drop_connection(number);
         }
     }
 
     fn drop_connection(&mut self, number: u64) {
         self.connections.remove(&number);
-        self.sessions.peers.remove(&number);
         self.sessions.close_session(SessionId::Raw(number));
         self.hislip.closed(number, &mut self.sessions);
+        self.vxi11.closed(number, &mut self.sessions);
+        self.sessions.peers.remove(&number);
+        self.sessions.drops.remove(&number);
     }
 
     fn write_finished_records(&mut self) -> Result<(), ServeError> {
@@ -380,6 +441,19 @@ impl InstrumentTask {
         }
         recorder.flush_if_due()
     }
+}
+
+/// Keeps an impact's true forces for clients that ask.
+fn keep_forces(scene: &Scene, truth: &GroundTruth, instrument: &mut Instrument) {
+    let force_at = |sensor: &String| {
+        let signal = Some(TrueSignal::Force(sensor.clone()));
+        truth.traces.iter().find(|trace| TrueSignal::of(trace) == signal).cloned()
+    };
+    let channels = scene.scope.channels.iter();
+    let bench = &mut instrument.bench;
+    bench.forces = channels.map(|c| force_at(c.as_ref()?.input.as_ref()?)).collect();
+    bench.triggered_at = None;
+    bench.impacts = bench.impacts.saturating_add(1);
 }
 
 fn every(period: Duration) -> Interval {

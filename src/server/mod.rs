@@ -1,4 +1,4 @@
-//! The scope on the network: raw TCP sockets and HiSLIP sessions on which lab clients talk to one instrument.
+//! The scope on the network: raw TCP sockets, HiSLIP sessions and VXI-11 links on which lab clients talk to one instrument.
 //!
 //! One task owns the instrument and what it remembers of every connection (`instrument_task`, with `sessions`, and
 //! `bench_state` for the bench's settings); each connection has a task that copies bytes (`connection`); the chain moves on a thread
@@ -9,17 +9,20 @@ mod bench_thread;
 mod connection;
 mod error;
 mod instrument_task;
+mod interrupt_channels;
+mod log;
 mod options;
+mod port_mapper;
 mod recorder;
 mod sessions;
 
 pub use error::ServeError;
 pub use options::ServerOptions;
 
-use std::future::Future;
+use std::future::{Future, poll_fn};
 use std::io;
-use std::net::TcpListener;
-use std::pin::pin;
+use std::net::{TcpListener, UdpSocket};
+use std::task::Poll;
 use std::time::Duration;
 
 use tokio::sync::{mpsc, oneshot};
@@ -27,17 +30,15 @@ use tokio::task::JoinSet;
 
 use crate::recording::mcap::RecordingWriter;
 use crate::scene::Scene;
-use connection::{Connection, Protocol};
+use connection::{ACCEPT_RETRY_DELAY, Connection, Protocol};
 use instrument_task::InstrumentTask;
 use recorder::Recorder;
 
-/// Connections at a time, of both protocols. A further one takes the place of the one that has been idle for longest, or is closed at
+/// Connections at a time, of all protocols. A further one takes the place of the one that has been idle for longest, or is closed at
 /// once if none is idle. A HiSLIP session has two.
 pub const MOST_CONNECTIONS: usize = 128;
 /// Capacity of the queue of input pieces from all connections.
 const PIECES: usize = 64;
-/// Delay before accepting again after an error, e.g. when file handles have run out.
-const ACCEPT_RETRY_DELAY: Duration = Duration::from_millis(20);
 /// Time limit for writing the answers that are pending at shutdown.
 const SHUTDOWN_GRACE: Duration = Duration::from_secs(1);
 
@@ -48,6 +49,10 @@ pub struct Sockets {
     pub raw: TcpListener,
     /// For HiSLIP, if it is spoken.
     pub hislip: Option<TcpListener>,
+    /// For VXI-11, if it is spoken.
+    pub vxi11: Option<TcpListener>,
+    /// For its port mapper, if there is one.
+    pub port_mapper: Option<(TcpListener, UdpSocket)>,
 }
 
 /// Answers all connections until `shutdown` resolves, and writes all of it to `recording`, which is finished then. The
@@ -66,21 +71,35 @@ pub fn serve(
     let start = |reason| ServeError::Start { reason };
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     runtime.map_err(start)?.block_on(async {
-        let raw = listener(sockets.raw).map_err(start)?;
-        let hislip = sockets.hislip.map(listener).transpose().map_err(start)?;
+        let vxi11_port = sockets.vxi11.as_ref().map(TcpListener::local_addr).transpose();
+        let port = vxi11_port.map_err(start)?.map_or(0, |address| address.port());
+        let mut listeners = vec![(Protocol::Raw, listener(sockets.raw).map_err(start)?)];
+        let others = [(Protocol::Hislip, sockets.hislip), (Protocol::Vxi11, sockets.vxi11)];
+        for (protocol, socket) in others {
+            if let Some(socket) = socket {
+                listeners.push((protocol, listener(socket).map_err(start)?));
+            }
+        }
+        let mut connections = JoinSet::new();
+        let mut mapper = JoinSet::new();
+        if let Some((socket, datagrams)) = sockets.port_mapper {
+            datagrams.set_nonblocking(true).map_err(start)?;
+            let datagrams = tokio::net::UdpSocket::from_std(datagrams).map_err(start)?;
+            let socket = listener(socket).map_err(start)?;
+            mapper.spawn(port_mapper::answer_all(socket, datagrams, port));
+        }
         let bench = bench_thread::BenchHandle::start().map_err(start)?;
         let (pieces, inbox) = mpsc::channel(PIECES);
         let mut task = InstrumentTask::new(
             scene,
-            options,
+            (options, port),
             bench,
             recording.map(|writer| Recorder::new(writer, scene)),
         );
-        let mut connections = JoinSet::new();
         let done = tokio::select! {
             () = shutdown => Ok(()),
             done = task.run(inbox) => done,
-            () = accept_loop((raw, hislip), pieces, &mut connections) => Ok(()),
+            () = accept_loop(&listeners, pieces, &mut connections) => Ok(()),
         };
         let finished = task.finish();
         // The instrument task has ended, so every connection ends as soon as its answers are written.
@@ -99,20 +118,17 @@ fn listener(socket: TcpListener) -> io::Result<tokio::net::TcpListener> {
 
 /// Accepts connections until it is cancelled.
 async fn accept_loop(
-    (raw, hislip): (tokio::net::TcpListener, Option<tokio::net::TcpListener>),
+    listeners: &[(Protocol, tokio::net::TcpListener)],
     pieces: mpsc::Sender<connection::ConnectionEvent>,
     connections: &mut JoinSet<()>,
 ) {
     let mut number = 0_u64;
     loop {
-        let accept = pin!(async {
-            match &hislip {
-                None => (Protocol::Raw, raw.accept().await),
-                Some(hislip) => tokio::select! {
-                    taken = raw.accept() => (Protocol::Raw, taken),
-                    taken = hislip.accept() => (Protocol::Hislip, taken),
-                },
-            }
+        let accept = poll_fn(|context| {
+            let mut taken = listeners.iter().map(|(protocol, listener)| {
+                listener.poll_accept(context).map(|taken| (*protocol, taken))
+            });
+            taken.find(Poll::is_ready).unwrap_or(Poll::Pending)
         });
         tokio::select! {
             Some(_) = connections.join_next(), if !connections.is_empty() => {}

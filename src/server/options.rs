@@ -1,11 +1,14 @@
 //! How the server serves.
 
+use std::io::Write;
 use std::time::Duration;
 
 use tokio::sync::mpsc;
 
+use crate::instrument::Fault;
+
 /// How the server behaves.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct ServerOptions {
     /// Whether headers stand before answers on a fresh connection (`HEADer`).
     pub header: bool,
@@ -15,4 +18,8 @@ pub struct ServerOptions {
     pub warn: Option<fn(&str)>,
     /// Strikes requested at the bench, one a message.
     pub strikes: Option<mpsc::Receiver<()>>,
+    /// Faults that act from the start.
+    pub faults: Vec<Fault>,
+    /// Takes a line for each connection, command, reply, error and impact.
+    pub log: Option<Box<dyn Write + Send>>,
 }

@@ -6,9 +6,11 @@ HERTZSCOPE is the program, RECORDING.mcap is written by `serve --record`. Each c
 impact and reads all channels; the recording's captures of that shot are the golden. Exit code 0: all agree; 1: something differs.
 """
 
+import json
 import re
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 from collections import defaultdict
@@ -16,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 import pyvisa
+import vxi11 as python_vxi11
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 from pylablib.core.devio.comm_backend import NetworkDeviceBackend
@@ -90,7 +93,7 @@ def read_block(scope, name):
     return scope.query_binary_values("CURVE?", datatype, is_big_endian=big, container=np.array)
 
 
-def raw_pyvisa(raw, hislip):
+def raw_pyvisa(raw, hislip, vxi11):
     manager = pyvisa.ResourceManager("@py")
     with manager.open_resource(
         f"TCPIP::127.0.0.1::{raw}::SOCKET", read_termination="\n", write_termination="\n"
@@ -99,7 +102,7 @@ def raw_pyvisa(raw, hislip):
         yield lab_script(scope)
 
 
-def documented_pyvisa(raw, hislip):
+def documented_pyvisa(raw, hislip, vxi11):
     """docs/recipes/scope_client.py, as it stands there."""
     address = f"TCPIP::127.0.0.1::{raw}::SOCKET"
     time, records = scope_client.single_shot(address)
@@ -114,7 +117,7 @@ def documented_pyvisa(raw, hislip):
     yield levels
 
 
-def hislip_pyvisa(raw, hislip):
+def hislip_pyvisa(raw, hislip, vxi11):
     manager = pyvisa.ResourceManager("@py")
     with manager.open_resource(f"TCPIP::127.0.0.1::hislip0,{hislip}::INSTR") as scope:
         scope.timeout = 20000
@@ -163,7 +166,63 @@ def locks(hislip):
     two.close()
 
 
-def pylablib_client(raw, hislip):
+def vxi11_pyvisa(raw, hislip, vxi11):
+    manager = pyvisa.ResourceManager("@py")
+    address = f"TCPIP::127.0.0.1,{vxi11}::inst0::INSTR"
+    with manager.open_resource(address) as scope, manager.open_resource(address) as other:
+        scope.timeout = other.timeout = 20000
+        yield lab_script(scope)
+        scope.write("*IDN?")
+        check("MAV", scope.read_stb() & 16, 16)
+        check("*IDN?", scope.read().strip(), IDENTITY)
+        check("MAV after reading", scope.read_stb() & 16, 0)
+        # A device clear ends the wait for an impact that never comes.
+        scope.write("ACQUIRE:STATE ON;*OPC?")
+        scope.clear()
+        check("*IDN? after clear", scope.query("*IDN?").strip(), IDENTITY)
+        check("the scope still waits", scope.query("BUSY?").strip(), "1")
+        scope.write("ACQUIRE:STATE OFF")
+        # A query that does not exist has no reply, which is known when its time is over.
+        scope.timeout = 100
+        for query in ("CH5:POSITION?", "*OPC"):
+            try:
+                sys.exit(f"check.py: {query} answers {scope.query(query)!r}")
+            except pyvisa.errors.VisaIOError as error:
+                check("time-out", error.error_code, pyvisa.constants.StatusCode.error_timeout)
+        scope.timeout = 20000
+        check("113", scope.query("*ESR?;EVENT?").strip(), "33;113")
+        scope.lock_excl(timeout=1000)
+        try:
+            other.write("*IDN?")
+            sys.exit("check.py: an exclusive lock did not hold another link back")
+        except pyvisa.errors.VisaIOError:
+            pass
+        scope.unlock()
+        check("after the lock", other.query("*IDN?").strip(), IDENTITY)
+
+
+def vxi11_python(raw, hislip, vxi11):
+    """python-vxi11, told the port: it asks a port mapper otherwise."""
+    scope = python_vxi11.Instrument("127.0.0.1")
+    scope.client = python_vxi11.vxi11.CoreClient("127.0.0.1", vxi11)
+    scope.timeout = 20
+    check("*IDN?", scope.ask("*IDN?"), IDENTITY)
+    scope.write("ACQUIRE:STOPAFTER SEQUENCE;STATE ON;:BENCH:IMPACT")
+    check("single shot", scope.ask("*OPC?"), "1")
+    levels = {}
+    for channel in CHANNELS:
+        curve = scope.ask_raw(f"DATA INIT;:DATA:SOURCE CH{channel};:CURVE?".encode())
+        check("block", (curve[:6], curve[-1:]), (b"#42500", b"\n"))
+        levels[channel] = np.frombuffer(curve[6:-1], "i1").astype(int)
+    scope.remote()
+    check("keys", scope.ask("LOCK?"), "ALL")
+    scope.local()
+    check("keys", scope.ask("LOCK?"), "NONE")
+    scope.close()
+    yield levels
+
+
+def pylablib_client(raw, hislip, vxi11):
     address = ("127.0.0.1", raw)
     # Its network link expects lines that end with CRLF: either the scope is told to send them ...
     with Tektronix.TDS2000(address, nchannels=4) as scope:
@@ -197,8 +256,9 @@ def pylablib_client(raw, hislip):
         yield {channel: scope.read_raw_data(channel, fmt="i1") for channel in CHANNELS}
 
 
-def pymeasure_client(raw, hislip):
-    for link in (f"TCPIP::127.0.0.1::{raw}::SOCKET", f"TCPIP::127.0.0.1::hislip0,{hislip}::INSTR"):
+def pymeasure_client(raw, hislip, vxi11):
+    links = f"::{raw}::SOCKET", f"::hislip0,{hislip}::INSTR", f",{vxi11}::inst0::INSTR"
+    for link in (f"TCPIP::127.0.0.1{link}" for link in links):
         scope = tektronix.TDS2000(
             link, read_termination="\n", write_termination="\n", visa_library="@py", timeout=20000
         )
@@ -222,32 +282,83 @@ def pymeasure_client(raw, hislip):
         scope.adapter.close()
 
 
-def documented_lines(raw, hislip):
-    """The lines of docs/clients.md, as they stand there but for the ports."""
-    page = (Path(__file__).resolve().parents[2] / "docs" / "clients.md").read_text()
-    blocks = re.findall(r"```python tests/clients/check.py\n(.*?)```", page, re.DOTALL)
+def lines_of(page):
+    """The blocks of a page of docs/ that this script executes."""
+    text = (Path(__file__).resolve().parents[2] / "docs" / page).read_text()
+    return re.findall(r"```python tests/clients/check.py\n(.*?)```", text, re.DOTALL)
+
+
+def documented_lines(raw, hislip, vxi11):
+    """The lines of docs/clients.md and docs/vxi11.md, as they stand there but for the ports; those that go by VISA over VXI-11, too."""
+    blocks = lines_of("clients.md")
     check("clients on the page", len(blocks), 7)
+    resource = re.compile(r"TCPIP::127.0.0.1::(5025::SOCKET|hislip0,4880::INSTR)")
+    over_vxi11 = [resource.sub("TCPIP::127.0.0.1,1024::inst0::INSTR", block) for block in blocks if resource.search(block)]
+    check("of which go by VISA", len(over_vxi11), 5)
+    blocks += over_vxi11 + lines_of("vxi11.md")
     manager = pyvisa.ResourceManager("@py")
     address = f"TCPIP::127.0.0.1::{raw}::SOCKET"
     with manager.open_resource(address, read_termination="\n", write_termination="\n") as scope:
         scope.timeout = 20000
         scope.write("ACQUIRE:STOPAFTER SEQUENCE;STATE ON;:BENCH:IMPACT")
         check("single shot", scope.query("*OPC?").strip(), "1")
-        for block in blocks:
-            found = {}
-            exec(block.replace("5025", str(raw)).replace("4880", str(hislip)), found)
-            check(f"{block}\nidentity", found["identity"], IDENTITY)
-            check(f"{block}\npoints", found["points"], 2500)
-            scope.write("DATA INIT;:HEADER OFF")
         scope.write("DATA:ENC ASC")
         levels = {}
         for channel in CHANNELS:
             scope.write(f"DATA:SOURCE CH{channel}")
             levels[channel] = np.array(scope.query_ascii_values("CURVE?", converter="d"))
+        scope.write("DATA INIT")
+        zero, step = (float(scope.query(f"WFMPRE:{key}?")) for key in ("YOFF", "YMULT"))
+        for block in blocks:
+            found = {}
+            for port, own in (("5025", raw), ("4880", hislip), ("1024", vxi11)):
+                block = block.replace(port, str(own))
+            # What the lines count is looked at, too.
+            exec(re.sub(r"points = len\((.*)\)", r"samples = \1\npoints = len(samples)", block), found)
+            check(f"{block}\nidentity", found["identity"], IDENTITY)
+            check(f"{block}\npoints", found["points"], 2500)
+            samples = found["samples"]
+            samples = np.frombuffer(samples, "i1") if isinstance(samples, bytes) else np.array(samples)
+            samples = samples.reshape(2500, -1)[:, -1].astype(float)
+            are_levels = np.array_equal(samples, np.rint(samples))
+            check(f"{block}\nsamples", samples if are_levels else np.rint(samples / step + zero), levels[1])
+            scope.write("DATA INIT;:HEADER OFF")
     if lxi := shutil.which("lxi"):
         asked = [lxi, "scpi", "--address", "127.0.0.1", "--port", str(raw), "--raw", "*IDN?"]
         check("lxi", subprocess.run(asked, capture_output=True, text=True).stdout.strip(), IDENTITY)
     yield levels
+
+
+def lxi_tools(raw, hislip, vxi11):
+    """`lxi scpi` as it comes, which asks the port mapper on port 111."""
+    lxi = shutil.which("lxi")
+    if not (lxi and HAS_PORT_111):
+        reason = "its port 111 needs privileges and must be free" if lxi else "lxi-tools is not installed"
+        return print(f"skipped: lxi over VXI-11: {reason}")
+
+    def ask(text):
+        asked = [lxi, "scpi", "--address", "127.0.0.1", "--timeout", "20", text]
+        return subprocess.run(asked, capture_output=True, text=True, check=True).stdout.strip()
+
+    check("lxi", ask("*IDN?"), IDENTITY)
+    ask("ACQUIRE:STOPAFTER SEQUENCE;STATE ON;:BENCH:IMPACT")
+    check("single shot", ask("*OPC?"), "1")
+    ask("DATA:ENC ASC")
+    yield {n: np.array(ask(f"DATA:SOURCE CH{n};:CURVE?").split(",")).astype(int) for n in CHANNELS}
+
+
+def can_bind(port):
+    try:
+        with socket.socket() as one, socket.socket(type=socket.SOCK_DGRAM) as other:
+            one.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            one.bind(("127.0.0.1", port))
+            other.bind(("127.0.0.1", port))
+        return True
+    except OSError:
+        return False
+
+
+HAS_PORT_111 = can_bind(111)
 
 
 def goldens(recording):
@@ -272,14 +383,17 @@ def goldens(recording):
 def main():
     program, recording = sys.argv[1:]
     server = subprocess.Popen(
-        [program, "serve", "--listen", "127.0.0.1:0", "--hislip", "0", "--record", recording],
+        [program, "serve", "--json", "--listen", "127.0.0.1:0", "--hislip", "0", "--vxi11", "0"]
+        + ["--port-mapper", "111" if HAS_PORT_111 else "0", "--record", recording],
         stdout=subprocess.PIPE,
         text=True,
     )
     try:
-        ports = [int(re.search(r":(\d+)$", server.stdout.readline()).group(1)) for _ in range(2)]
+        told = json.loads(server.stdout.readline())
+        ports = [int(told[name].rsplit(":", 1)[1]) for name in ("listening", "hislip", "vxi11")]
         read = []
-        for client in (raw_pyvisa, documented_pyvisa, hislip_pyvisa, pylablib_client, pymeasure_client, documented_lines):
+        clients = raw_pyvisa, documented_pyvisa, hislip_pyvisa, vxi11_pyvisa, vxi11_python, pylablib_client, pymeasure_client
+        for client in (*clients, documented_lines, lxi_tools):
             before = checks
             shots = list(client(*ports))
             read.extend((client.__name__, shot) for shot in shots)

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Lets other people's clients work with the served scope: pyvisa, pylablib and pymeasure, as published.
+# Lets other people's clients work with the served scope: pyvisa, pylablib, pymeasure and others, as published, and runs a project of tests with the fixture for pytest.
 #
 #     tests/clients/check.sh HERTZSCOPE [RECORDING.mcap]
 #
@@ -21,3 +21,5 @@ install_python "$environment" "$here/requirements.txt"
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT
 "$environment/bin/python" -W ignore "$here/check.py" "$1" "${2:-$folder/session.mcap}"
+# The package as it stands in the tree; tests/wheel/check.sh takes the installed one.
+HERTZSCOPE="$(realpath "$1")" PYTHONPATH="$here/../../python" "$environment/bin/python" "$here/project.py" -p hertzscope.pytest_plugin

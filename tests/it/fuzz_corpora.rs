@@ -5,6 +5,8 @@ use std::path::Path;
 
 #[path = "../../fuzz/targets/csv.rs"]
 mod csv;
+#[path = "../../fuzz/desk.rs"]
+mod desk;
 #[path = "../../fuzz/targets/hislip.rs"]
 mod hislip;
 #[path = "../../fuzz/targets/isf.rs"]
@@ -15,6 +17,8 @@ mod mcap;
 mod scpi;
 #[path = "../../fuzz/targets/set.rs"]
 mod set;
+#[path = "../../fuzz/targets/vxi11.rs"]
+mod vxi11;
 
 /// The inputs of a target's corpus, each told by its name if the target fails on it.
 fn replay(target: &str, run: fn(&[u8])) {
@@ -60,6 +64,38 @@ fn set_up_files() {
     replay("set", set::run);
 }
 
+#[test]
+fn vxi11_connections() {
+    replay("vxi11", vxi11::run);
+}
+
+/// The same with bytes changed, left out and joined: what fuzzing does, shorter.
+#[test]
+fn vxi11_connections_with_changed_bytes() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus/vxi11");
+    let mut files: Vec<_> = std::fs::read_dir(folder).expect("a corpus").flatten().collect();
+    files.sort_by_key(std::fs::DirEntry::path);
+    let inputs: Vec<Vec<u8>> =
+        files.iter().map(|file| std::fs::read(file.path()).expect("an input")).collect();
+    let mut state = 1_u64;
+    let mut draw = |below: usize| {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        usize::try_from(state >> 33).expect("31 bits") % below
+    };
+    for _ in 0..3000 {
+        let mut input = inputs[draw(inputs.len())].clone();
+        let other = &inputs[draw(inputs.len())];
+        input.truncate(input.len() - draw(input.len() / 2));
+        input.extend_from_slice(&other[draw(other.len())..]);
+        for _ in 0..draw(6) {
+            let place = draw(input.len());
+            input[place] = [0, 1, 8, 16, 128, 255, 10, draw(256) as u8][draw(8)];
+        }
+        vxi11::run(&input);
+    }
+}
+
 /// Every target has its replay.
 #[test]
 fn no_target_is_left_out() {
@@ -69,5 +105,5 @@ fn no_target_is_left_out() {
     });
     let mut names: Vec<String> = names.collect();
     names.sort();
-    assert_eq!(names, ["csv", "hislip", "isf", "mcap", "scpi", "set"]);
+    assert_eq!(names, ["csv", "hislip", "isf", "mcap", "scpi", "set", "vxi11"]);
 }

@@ -2,5 +2,5 @@
 
 mod locks;
 mod messages;
-mod partner;
+pub mod partner;
 mod sessions;

@@ -53,6 +53,7 @@ mod tek_csv;
 mod tui;
 mod tunability;
 mod vector_path;
+mod vxi11;
 mod work_counts;
 
 /// So many cases of random input, the same ones each time.

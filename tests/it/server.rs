@@ -2,15 +2,17 @@
 
 mod abuse;
 mod bench;
+mod faults;
 mod hislip;
 mod load;
 mod process;
 mod random_sessions;
 mod recording;
 mod transcripts;
+mod vxi11;
 
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
-use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream, UdpSocket};
 use std::process::Command;
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -31,6 +33,8 @@ const IDENTITY: &str = "TEKTRONIX,TDS 2014,0,CF:91.1CT FV:v4.12 TDS2CM:CMV:v1.04
 pub struct Server {
     pub address: SocketAddr,
     hislip: SocketAddr,
+    vxi11: SocketAddr,
+    mapper: SocketAddr,
     stop: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<Result<(), ServeError>>>,
 }
@@ -50,16 +54,22 @@ impl Server {
         recording: Option<RecordingWriter>,
     ) -> Self {
         let port = || TcpListener::bind("127.0.0.1:0").expect("a port");
-        let sockets = Sockets { raw: port(), hislip: Some(port()) };
+        let mapper = port();
+        let datagrams = UdpSocket::bind(mapper.local_addr().expect("an address")).expect("a port");
+        let port_mapper = Some((mapper, datagrams));
+        let sockets =
+            Sockets { raw: port(), hislip: Some(port()), vxi11: Some(port()), port_mapper };
         let address = sockets.raw.local_addr().expect("an address");
         let hislip = sockets.hislip.as_ref().expect("a port").local_addr().expect("an address");
+        let vxi11 = sockets.vxi11.as_ref().expect("a port").local_addr().expect("an address");
+        let mapper = sockets.port_mapper.as_ref().expect("one").0.local_addr().expect("an address");
         let (stop, stopped) = oneshot::channel::<()>();
         let stopped = async {
             let _ = stopped.await;
         };
         let thread =
             std::thread::spawn(move || serve(sockets, &scene, options, recording, stopped));
-        Self { address, hislip, stop: Some(stop), thread: Some(thread) }
+        Self { address, hislip, vxi11, mapper, stop: Some(stop), thread: Some(thread) }
     }
 
     pub fn at_rest() -> Self {
@@ -327,4 +337,55 @@ fn it_may_be_ended_as_soon_as_it_listens() {
 fn the_command_says_where_it_listens() {
     let server = Process::start(&["gravity-0.61g", "--header", "on"]);
     assert_eq!(connect(server.address).ask("CH1:PROBE?"), ":CH1:PROBE 1\n");
+}
+
+/// Where it listens as JSON, and the log: connection, command, reply, error, fault and impact, each with its time.
+#[test]
+#[cfg(unix)]
+fn a_script_reads_where_it_listens_and_a_log_what_happens() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("serve.log");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_hertzscope"))
+        .args(["serve", "--json", "--listen", "127.0.0.1:0", "--hislip", "0", "--vxi11", "0"])
+        .args(["--fault", "cut=3*1", &format!("--log={}", file.display())])
+        .stdout(std::process::Stdio::piped())
+        .spawn()
+        .expect("a server");
+    let mut line = String::new();
+    let mut told = BufReader::new(child.stdout.take().expect("a pipe"));
+    told.read_line(&mut line).expect("a line");
+    let told: serde_json::Value = serde_json::from_str(&line).expect("JSON");
+    let port = |name: &str| told[name].as_str().expect(name).rsplit_once(':').expect("a port").1;
+    let resources = &told["resources"];
+    assert_eq!(resources["socket"], format!("TCPIP::127.0.0.1::{}::SOCKET", port("listening")));
+    assert_eq!(resources["hislip"], format!("TCPIP::127.0.0.1::hislip0,{}::INSTR", port("hislip")));
+    assert_eq!(resources["vxi11"], format!("TCPIP::127.0.0.1,{}::inst0::INSTR", port("vxi11")));
+    let mut client = connect(told["listening"].as_str().expect("text").parse().expect("one"));
+    assert_eq!(client.ask("*IDN?\n*OPC?"), "TEK1\n");
+    client.send(b"NONSENSE\n");
+    assert_eq!(told["strike"], "BENCh:IMPact");
+    client.send(b"BENCh:IMPact\n");
+    while client.ask("BENCh:IMPact?") == "0\n" {}
+    drop(client);
+    let id = child.id().to_string();
+    assert!(Command::new("kill").arg(id).status().expect("kill").success());
+    assert!(child.wait().expect("an end").success());
+    let log = std::fs::read_to_string(file).expect("a log");
+    let found = [
+        "opened",
+        "> *IDN?",
+        "* a fault disturbs TEKTRONIX,TDS 2014",
+        "< 1",
+        "> NONSENSE",
+        "! 113 Undefined header",
+        "bench  impact 1",
+    ];
+    let mut rest = log.as_str();
+    for what in found {
+        let (_, after) = rest.split_once(what).unwrap_or_else(|| panic!("{what} in {log}"));
+        rest = after;
+    }
+    let is_known =
+        |line: &str| [" s  raw 127.0.0.1:", " s  bench  "].iter().any(|who| line.contains(who));
+    assert!(log.lines().all(is_known), "{log}");
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds the wheel, installs it in an empty Python environment, and lets the program that is there examine itself, run, and execute those
-# examples of the README and of docs/ that take long without optimisation.
+# examples of the README and of docs/ that take long without optimisation; runs the project of tests with the fixtures for pytest, too.
 #
 #     tests/wheel/check.sh
 #
@@ -29,6 +29,10 @@ export PATH="$folder/venv/bin:/usr/bin:/bin"
 hertzscope doctor
 hertzscope run --quiet
 [[ -s magnet-0.61g.mcap ]] || { echo "check.sh: no recording" >&2; exit 1; }
+
+# pytest finds the fixtures by the package's entry point, and these the program on the path.
+install_python "$here/../clients/.venv" "$here/../clients/requirements.txt"
+PYTHONPATH="$(echo "$folder"/venv/lib/python3.*/site-packages)" "$here/../clients/.venv/bin/python" "$here/../clients/project.py"
 
 while read -r command; do
     started=$SECONDS

@@ -5,8 +5,10 @@ use crate::instrument::limits;
 use crate::scpi::argument::{flag, none, only, real};
 use crate::scpi::message::Argument;
 use crate::scpi::row::{CommandRow, Group};
-use crate::scpi::setting::{Context, Parts, Stop, both, group};
+use crate::scpi::setting::{Context, Parts, Stop, both, group, query};
+use crate::scpi::value;
 use crate::scpi::value::ReplyValue;
+use crate::trace::Trace;
 
 /// The group, a row a line.
 #[rustfmt::skip]
@@ -50,6 +52,27 @@ pub const GROUP: Group = Group {
                 Ok(ReplyValue::on_or_off(fine))
             }),
             "Volts/Div of a channel's menu: `ON` is fine, and `CH<x>:SCAle` takes what stands between the steps; `OFF` is coarse",
+        )
+        .apart(),
+        CommandRow::own(
+            "BENCh:FAUlt",
+            both(set_fault, |at| {
+                present(at)?;
+                Ok(ReplyValue::Text(at.instrument.bench.faults.text()))
+            }),
+            "adds a fault, e.g. `\"late=500ms\"` (`hertzscope serve --help` lists them); `\"none\"` ends all",
+        )
+        .apart(),
+        CommandRow::own(
+            "BENCh:CH<x>:FORCe",
+            query(forces),
+            "true force at the channel's sensor in the last impact: a block of 64-bit numbers in N, least significant byte first; none without a sensor or an impact",
+        )
+        .apart(),
+        CommandRow::own(
+            "BENCh:CH<x>:FORCe:TIMe",
+            query(force_times),
+            "of these forces: time of the first, after the trigger or, without one, the striker's first contact, and interval, in s",
         )
         .apart(),
     ],
@@ -109,4 +132,39 @@ fn set_scene(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     };
     present(at)?;
     if at.instrument.bench.set_scene(name) { Ok(()) } else { Err(Event::IllegalParameter.into()) }
+}
+
+fn set_fault(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+    let (Argument::Word(text) | Argument::Text(text)) = only(arguments)? else {
+        return Err(Event::DataType.into());
+    };
+    present(at)?;
+    let faults = &mut at.instrument.bench.faults;
+    if text.eq_ignore_ascii_case("none") {
+        faults.clear();
+    } else {
+        faults.add(text.parse().map_err(|_| Event::IllegalParameter)?);
+    }
+    Ok(())
+}
+
+/// The true force of the channel that is asked for, if it has a sensor and there was an impact.
+fn true_force<'a>(at: &'a Context<'_>) -> Option<&'a Trace> {
+    let channel = usize::from(at.place.number).checked_sub(1)?;
+    at.instrument.bench.forces.get(channel)?.as_ref()
+}
+
+fn forces(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
+    present(at)?;
+    let values = true_force(at).map(|force| force.values.as_slice()).unwrap_or_default();
+    let bytes: Vec<u8> = values.iter().flat_map(|newtons| newtons.to_le_bytes()).collect();
+    Ok(ReplyValue::block(&bytes))
+}
+
+fn force_times(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
+    present(at)?;
+    let zero = at.instrument.bench.triggered_at.unwrap_or(0.0);
+    let times = true_force(at).map_or((0.0, 0.0), |force| (force.start - zero, force.interval));
+    let (start, interval) = (value::setting(times.0), value::setting(times.1));
+    Ok(ReplyValue::Plain(format!("{start},{interval}")))
 }

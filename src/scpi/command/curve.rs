@@ -39,10 +39,7 @@ fn send(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
             _ => bytes.push(low),
         }
     }
-    let length = bytes.len().to_string();
-    let mut block = format!("#{}{length}", length.len()).into_bytes();
-    block.append(&mut bytes);
-    Ok(ReplyValue::Block(block))
+    Ok(ReplyValue::block(&bytes))
 }
 
 /// A level as the number that is sent, its lowest 16 bits.

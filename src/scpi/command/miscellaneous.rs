@@ -140,6 +140,9 @@ pub const GROUP: Group = Group {
 };
 
 fn identity(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
+    if let Some(text) = at.instrument.bench.faults.identity() {
+        return Ok(ReplyValue::Plain(text.to_owned()));
+    }
     let model = &at.instrument.model;
     Ok(ReplyValue::Plain(format!(
         "TEKTRONIX,{},{},CF:91.1CT {} {}",
@@ -148,6 +151,9 @@ fn identity(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
 }
 
 fn identity_in_short(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
+    if let Some(text) = at.instrument.bench.faults.identity() {
+        return Ok(ReplyValue::Plain(text.to_owned()));
+    }
     let model = &at.instrument.model;
     let name = &model.name;
     Ok(ReplyValue::Plain(format!("TEK/{name},CF:91.1CT,{} {}", model.firmware, model.interface)))

@@ -14,7 +14,7 @@ const SUBCOMMANDS: &[(&str, &[&str])] = &[
     ("scenes", &["[NAME]", "--json"]),
     ("list", &["<KIND>", "[NAME]", "--json", "materials", "sensors", "scopes"]),
     #[cfg(feature = "server")]
-    ("serve", &["[SCENE]", "--listen", "--impact-every", "--header"]),
+    ("serve", &["[SCENE]", "--listen", "--vxi11", "--impact-every", "late=TIME", "--header"]),
     #[cfg(feature = "tui")]
     ("view", &["<WHAT>"]),
     ("completions", &["<SHELL>", "bash", "zsh", "fish"]),
@@ -53,6 +53,10 @@ fn what_is_typed_wrong_is_refused() {
         &["serve", "--impact-every", "0s"],
         #[cfg(feature = "server")]
         &["serve", "--impact-every", "1e30 s"],
+        #[cfg(feature = "server")]
+        &["serve", "--fault", "nonsense"],
+        #[cfg(feature = "server")]
+        &["serve", "--port-mapper", "0"],
         &["run", "magnet-0.61g", "gravity-0.61g"],
     ] {
         let done = hertzscope(folder.path(), arguments);

@@ -3,11 +3,12 @@
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::net::{Shutdown, TcpListener, TcpStream};
 use std::thread;
+use std::time::Duration;
 
-use hertzscope::client::{AcquisitionEvent, Address};
+use hertzscope::client::{AcquisitionEvent, Address, ClientTiming};
 
 use super::lines::{ByteTime, Failure, Pull, serial_port, socket};
-use super::{assert_recorded, shots, struck};
+use super::{TIMING, assert_recorded, shots, struck};
 
 /// From the first byte of the first curve to the last of the fourth; behind 2500 bytes only the end of the line is missing.
 const PULLS: [Pull; 10] = [
@@ -33,7 +34,7 @@ fn a_socket_that_closes_ten_times_in_mid_curve() {
     let own = folder.path().join("own.mcap");
     let server = struck(&own);
     let address = socket(server.address, PULLS.to_vec(), Failure::Closed, || ());
-    let (taken, events) = shots(&Address::Socket(address.to_string()), 3);
+    let (taken, events) = shots(&Address::Socket(address.to_string()), TIMING, 3);
     drop(server);
     assert_recorded(&taken, &own);
     assert_eq!(failures(&events), 10, "{events:?}");
@@ -45,11 +46,12 @@ fn a_socket_that_falls_silent() {
     let own = folder.path().join("own.mcap");
     let server = struck(&own);
     let address = socket(server.address, PULLS[3..5].to_vec(), Failure::Silent, || ());
-    let (taken, events) = shots(&Address::Socket(address.to_string()), 2);
+    let timing = ClientTiming { reply_timeout: Duration::from_millis(300), ..TIMING };
+    let (taken, events) = shots(&Address::Socket(address.to_string()), timing, 2);
     drop(server);
     assert_recorded(&taken, &own);
     assert!(failures(&events) >= 2, "{events:?}");
-    let is_silent = |event: &AcquisitionEvent| matches!(event, AcquisitionEvent::LineFailed(why) if why.contains("no reply within 2 s"));
+    let is_silent = |event: &AcquisitionEvent| matches!(event, AcquisitionEvent::LineFailed(why) if why.contains("no reply within 0.3 s"));
     assert!(events.iter().any(is_silent), "{events:?}");
 }
 
@@ -60,7 +62,7 @@ fn a_serial_line_that_is_pulled_out_ten_times_in_mid_curve() {
     let own = folder.path().join("own.mcap");
     let server = struck(&own);
     let device = serial_port(server.address, folder.path(), ByteTime::at(19200), PULLS.to_vec());
-    let (taken, events) = shots(&Address::Serial { device, baud: 19200 }, 3);
+    let (taken, events) = shots(&Address::Serial { device, baud: 19200 }, TIMING, 3);
     drop(server);
     assert_recorded(&taken, &own);
     assert!(failures(&events) >= 10, "{events:?}");
@@ -79,7 +81,7 @@ fn a_record_that_was_replaced_while_the_line_was_down_is_dropped() {
         assert_eq!(lab.ask("*OPC?"), "1\n");
     };
     let address = socket(scope, vec![(2, 1000)], Failure::Closed, start_again);
-    let (taken, events) = shots(&Address::Socket(address.to_string()), 2);
+    let (taken, events) = shots(&Address::Socket(address.to_string()), TIMING, 2);
     drop(server);
     assert_recorded(&taken, &own);
     let dropped =
@@ -117,7 +119,7 @@ fn a_scope_that_was_not_armed_brings_no_second_record() {
             let _ = scope.shutdown(Shutdown::Both);
         }
     });
-    let (taken, events) = shots(&Address::Socket(address.to_string()), 3);
+    let (taken, events) = shots(&Address::Socket(address.to_string()), TIMING, 3);
     drop(server);
     assert_recorded(&taken, &own);
     assert_eq!(failures(&events), 1, "{events:?}");

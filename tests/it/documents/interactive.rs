@@ -4,12 +4,14 @@ use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::time::Duration;
 
 use portable_pty::{CommandBuilder, PtySize, native_pty_system};
 
 /// Serves on ports that are free until a client has been answered, and ends as `kill` asks for; what it printed.
 pub fn served(folder: &Path, arguments: &[&str]) -> Result<String, String> {
-    let free = arguments.iter().map(|word| if *word == "4880" { "0" } else { word });
+    let is_port = |word: &str| ["4880", "1024", "1111"].contains(&word);
+    let free = arguments.iter().map(|word| if is_port(word) { "0" } else { word });
     let mut server = Command::new(env!("CARGO_BIN_EXE_hertzscope"))
         .arg("serve")
         .args(free)
@@ -24,6 +26,7 @@ pub fn served(folder: &Path, arguments: &[&str]) -> Result<String, String> {
     let mut printed = vec![first.clone()];
     if let Some(address) = first.strip_prefix("listening on ") {
         let mut client = TcpStream::connect(address).expect("a connection");
+        client.set_read_timeout(Some(Duration::from_secs(60))).expect("a limit");
         client.write_all(b"*IDN?\n").expect("a query");
         let reply = BufReader::new(client).lines().next().expect("a reply").expect("a reply");
         assert!(reply.starts_with("TEKTRONIX,TDS 2014"), "{reply}");

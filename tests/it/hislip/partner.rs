@@ -2,8 +2,10 @@
 
 use std::collections::VecDeque;
 
+use hertzscope::hislip::Server;
 use hertzscope::hislip::message::{DecodedPiece, Decoder, MessageType, write};
-use hertzscope::hislip::{Device, Server};
+use hertzscope::lan::Device;
+use hertzscope::lan::lock::Locks;
 
 /// An instrument that answers what ends with a question mark: the text before it.
 #[derive(Default)]
@@ -12,6 +14,7 @@ pub struct Fake {
     pub owes: bool,
     pub event: bool,
     pub enabled: u8,
+    pub locks: Locks,
     text: Vec<u8>,
 }
 
@@ -69,6 +72,10 @@ impl Device for Fake {
         let byte = (u8::from(message_available) << 4) | (u8::from(self.event) << 5);
         let asks = byte & self.enabled != 0;
         (byte | (u8::from(asks) << 6), self.enabled)
+    }
+
+    fn locks(&mut self) -> &mut Locks {
+        &mut self.locks
     }
 }
 

@@ -469,3 +469,27 @@ fn a_scene_wires_the_external_input() {
     let error = Scene::load(&file.display().to_string()).expect_err("one input a sensor");
     assert!(error.to_string().contains("at the input of CH1"), "{error}");
 }
+
+/// At slow time bases noise is drawn at the record's points alone: as large as where it is drawn at each sample, and whatever triggers.
+#[test]
+fn slow_records_of_silence_have_the_noise_of_fast_ones() {
+    let mut bench = Bench::new();
+    // Root mean square (div); a division has 25 levels.
+    bench.instrument = Instrument::new(model(), 0.2, 1);
+    for time_base in ["5E-4", "1E-2", "1E-1", "5"] {
+        for source in ["LINE", "CH1"] {
+            bench.tell(&format!("HOR:SCA {time_base};:TRIG:MAI:MOD NORM;EDGE:SOU {source}"));
+            bench.tell("ACQ:STOPA SEQ;STATE RUN");
+            bench.wait(100.0);
+            bench.tell("TRIG FORC");
+            bench.wait(100.0);
+            assert_eq!(bench.ask("ACQ:STATE?"), "0", "{time_base} {source}");
+            let levels = levels(&mut bench);
+            let square: f64 = levels.iter().map(|level| f64::from(*level).powi(2)).sum();
+            let rms = (square / levels.len() as f64).sqrt();
+            // Rounding adds 1/12; the scatter of an estimate from 2500 samples is 1.4 %, of which four.
+            let expected = (5.0_f64.powi(2) + 1.0 / 12.0).sqrt();
+            assert!((rms / expected - 1.0).abs() < 0.057, "{time_base} {source}: {rms}");
+        }
+    }
+}

@@ -1,0 +1,32 @@
+"""Fixtures for pytest, which finds them by itself once the package is installed."""
+
+import pytest
+
+from . import Bench
+
+
+def pytest_configure(config):
+    config.addinivalue_line(
+        "markers", "bench(scene, faults=(), seed=None): how the fixture `bench` is set up"
+    )
+
+
+@pytest.fixture
+def start_bench():
+    """A function that starts benches, with the arguments of `hertzscope.Bench`; all are stopped after the test."""
+    benches = []
+
+    def start(*arguments, **keywords):
+        benches.append(Bench(*arguments, **keywords))
+        return benches[-1]
+
+    yield start
+    for bench in benches:
+        bench.stop()
+
+
+@pytest.fixture
+def bench(request, start_bench):
+    """A fresh bench; `@pytest.mark.bench("gravity-0.61g", faults=["dead@CH2"])` sets it up otherwise."""
+    marker = request.node.get_closest_marker("bench")
+    return start_bench(*marker.args, **marker.kwargs) if marker else start_bench()

@@ -1,0 +1,66 @@
+//! The port mapper on its sockets. Each call is answered by itself; a connection ends after a while, and so does one whose bytes are no call.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
+use tokio::net::{TcpListener, TcpStream, UdpSocket};
+use tokio::sync::Semaphore;
+
+use super::connection::ACCEPT_RETRY_DELAY;
+use crate::vxi11::port_mapper::answer;
+use crate::vxi11::rpc::{RecordDecoder, record};
+
+/// Longest datagram (bytes).
+const DATAGRAM: usize = 2048;
+/// Time limit for a connection.
+const CONNECTION_TIME: Duration = Duration::from_secs(10);
+/// Connections at a time; others wait.
+const MOST_CONNECTIONS: usize = 16;
+
+/// Answers datagrams and connections until it is cancelled; `port` is where the VXI-11 server listens.
+pub async fn answer_all(listener: TcpListener, datagrams: UdpSocket, port: u16) {
+    tokio::join!(answer_connections(listener, port), answer_datagrams(datagrams, port));
+}
+
+async fn answer_datagrams(socket: UdpSocket, port: u16) {
+    let mut buffer = [0; DATAGRAM];
+    loop {
+        let Ok((length, peer)) = socket.recv_from(&mut buffer).await else {
+            tokio::time::sleep(ACCEPT_RETRY_DELAY).await;
+            continue;
+        };
+        if let Some(reply) = answer(buffer.get(..length).unwrap_or_default(), port) {
+            // Who asked asks again where the reply is lost.
+            let _ = socket.send_to(&reply, peer).await;
+        }
+    }
+}
+
+async fn answer_connections(listener: TcpListener, port: u16) {
+    let room = Arc::new(Semaphore::new(MOST_CONNECTIONS));
+    loop {
+        let Ok(place) = Arc::clone(&room).acquire_owned().await else { return };
+        let Ok((stream, _)) = listener.accept().await else {
+            tokio::time::sleep(ACCEPT_RETRY_DELAY).await;
+            continue;
+        };
+        tokio::spawn(async move {
+            let _ = tokio::time::timeout(CONNECTION_TIME, answer_connection(stream, port)).await;
+            drop(place);
+        });
+    }
+}
+
+/// None where the connection has ended.
+async fn answer_connection(mut stream: TcpStream, port: u16) -> Option<()> {
+    let mut records = RecordDecoder::default();
+    let mut buffer = [0; DATAGRAM];
+    loop {
+        while let Some(call) = records.next_record().ok()? {
+            stream.write_all(&record(&answer(&call, port)?)).await.ok()?;
+        }
+        let length = stream.read(&mut buffer).await.ok().filter(|length| *length > 0)?;
+        records.push(buffer.get(..length)?);
+    }
+}

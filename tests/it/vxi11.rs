@@ -1,0 +1,394 @@
+//! The VXI-11 protocol without a network. Numbers are those of VXI-11 (1995), appendix C, and of RFC 5531 and 1833.
+
+use std::net::{IpAddr, Ipv4Addr, SocketAddrV4};
+
+use hertzscope::lan::Device as _;
+use hertzscope::lan::lock::Grant;
+use hertzscope::vxi11::{Interrupt, MAX_LINKS, Vxi11Server, port_mapper};
+
+use crate::hislip::partner::Fake;
+
+const CORE: u32 = 0x0006_07AF;
+const ABORT: u32 = 0x0006_07B0;
+/// Procedures.
+const CREATE_LINK: u32 = 10;
+const WRITE: u32 = 11;
+const READ: u32 = 12;
+const READ_STB: u32 = 13;
+const TRIGGER: u32 = 14;
+const CLEAR: u32 = 15;
+const LOCK: u32 = 18;
+const UNLOCK: u32 = 19;
+const ENABLE_SRQ: u32 = 20;
+const DO_COMMAND: u32 = 22;
+const DESTROY_LINK: u32 = 23;
+const CREATE_INTERRUPT: u32 = 25;
+const DESTROY_INTERRUPT: u32 = 26;
+/// Flags.
+const WAIT: u32 = 1;
+const END: u32 = 8;
+const TERMINATOR: u32 = 128;
+
+fn words(words: &[u32]) -> Vec<u8> {
+    words.iter().flat_map(|word| word.to_be_bytes()).collect()
+}
+
+/// Bytes with their length before them, filled up to a word.
+fn opaque(bytes: &[u8]) -> Vec<u8> {
+    let length = u32::try_from(bytes.len()).expect("short");
+    let mut out = [&words(&[length]), bytes].concat();
+    out.resize(out.len().next_multiple_of(4), 0);
+    out
+}
+
+fn call(program: u32, version: u32, procedure: u32, arguments: &[u8]) -> Vec<u8> {
+    [words(&[7, 0, 2, program, version, procedure, 0, 0, 0, 0]), arguments.to_vec()].concat()
+}
+
+fn record(message: &[u8]) -> Vec<u8> {
+    let length = u32::try_from(message.len()).expect("short");
+    [&words(&[0x8000_0000 | length]), message].concat()
+}
+
+/// What connection 0, 1, ... of a server was sent.
+struct Lab {
+    server: Vxi11Server,
+    fake: Fake,
+    inboxes: Vec<(Vec<u8>, bool)>,
+}
+
+impl Lab {
+    fn new() -> Self {
+        Self { server: Vxi11Server::new(4711), fake: Fake::default(), inboxes: Vec::new() }
+    }
+
+    fn connect(&mut self) -> u64 {
+        let number = self.inboxes.len() as u64;
+        self.inboxes.push(Default::default());
+        self.server.opened(number, IpAddr::V4(Ipv4Addr::new(10, 0, 0, 9)));
+        number
+    }
+
+    fn bytes(&mut self, at: u64, bytes: &[u8]) {
+        self.server.received(at, bytes, &mut self.fake);
+        self.deliver();
+    }
+
+    fn deliver(&mut self) {
+        for output in self.server.take_output() {
+            let (inbox, closed) =
+                &mut self.inboxes[usize::try_from(output.connection).expect("one")];
+            inbox.extend(output.bytes);
+            *closed |= output.close;
+        }
+    }
+
+    fn advance(&mut self, now: f64) {
+        self.server.advance(now, &mut self.fake);
+        self.deliver();
+    }
+
+    /// All that a connection was sent since the last look.
+    fn sent(&mut self, at: u64) -> Vec<u8> {
+        std::mem::take(&mut self.inboxes[usize::try_from(at).expect("one")].0)
+    }
+
+    fn is_closed(&self, at: u64) -> bool {
+        self.inboxes[usize::try_from(at).expect("one")].1
+    }
+
+    fn send(&mut self, at: u64, procedure: u32, arguments: &[u8]) {
+        self.bytes(at, &record(&call(CORE, 1, procedure, arguments)));
+    }
+
+    /// The results of one call: what stands behind record, number, reply, accepted, empty verifier, success.
+    #[track_caller]
+    fn results(&mut self, at: u64) -> Vec<u8> {
+        let sent = self.sent(at);
+        let length = u32::try_from(sent.len() - 4).expect("short");
+        let head = words(&[0x8000_0000 | length, 7, 1, 0, 0, 0, 0]);
+        assert_eq!(sent[..28.min(sent.len())], head, "{sent:?}");
+        sent[28..].to_vec()
+    }
+
+    #[track_caller]
+    fn ask(&mut self, at: u64, procedure: u32, arguments: &[u8]) -> Vec<u8> {
+        self.send(at, procedure, arguments);
+        self.results(at)
+    }
+
+    /// A connection with a link, and the link's number.
+    fn link(&mut self) -> (u64, u32) {
+        let at = self.connect();
+        (at, self.link_on(at))
+    }
+
+    fn link_on(&mut self, at: u64) -> u32 {
+        let made = self.ask(at, CREATE_LINK, &[words(&[1, 0, 0]), opaque(b"inst0")].concat());
+        assert_eq!(made[..4], words(&[0]), "no error");
+        u32::from_be_bytes(made[4..8].try_into().expect("a word"))
+    }
+
+    #[track_caller]
+    fn write(&mut self, (at, link): (u64, u32), flags: u32, text: &[u8]) {
+        let written = self.ask(at, WRITE, &[words(&[link, 0, 0, flags]), opaque(text)].concat());
+        assert_eq!(written, words(&[0, u32::try_from(text.len()).expect("short")]));
+    }
+
+    /// Error, reason and data of a read of at most `count` bytes that waits for `milliseconds`.
+    fn read(
+        &mut self,
+        (at, link): (u64, u32),
+        count: u32,
+        milliseconds: u32,
+    ) -> (u32, u32, Vec<u8>) {
+        self.send(at, READ, &words(&[link, count, milliseconds, 0, 0, 0]));
+        self.read_results(at)
+    }
+
+    #[track_caller]
+    fn read_results(&mut self, at: u64) -> (u32, u32, Vec<u8>) {
+        let results = self.results(at);
+        let word = |n: usize| u32::from_be_bytes(results[4 * n..][..4].try_into().expect("a word"));
+        let length = usize::try_from(word(2)).expect("short");
+        assert_eq!(results.len(), 12 + length.next_multiple_of(4));
+        (word(0), word(1), results[12..12 + length].to_vec())
+    }
+}
+
+/// Byte for byte: link 0x8000, the abort channel's port 4711 = 0x1267, at most 65536 bytes a write.
+#[test]
+fn create_link_on_the_wire() {
+    let mut lab = Lab::new();
+    let at = lab.connect();
+    let asked = b"\x80\0\0\x40\xca\xfe\0\x01\0\0\0\0\0\0\0\x02\0\x06\x07\xaf\0\0\0\x01\0\0\0\x0a\
+        \0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x12\x34\x56\x78\0\0\0\0\0\0\x27\x10\0\0\0\x05inst0\0\0\0";
+    // As a network may cut it.
+    for byte in asked {
+        lab.bytes(at, &[*byte]);
+    }
+    let answer = b"\x80\0\0\x28\xca\xfe\0\x01\0\0\0\x01\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\
+        \0\0\0\0\0\0\x80\0\0\0\x12\x67\0\x01\0\0";
+    assert_eq!(lab.sent(at), answer);
+    assert_eq!(lab.fake.log, ["open 32768"]);
+    // The same in three fragments, one of them empty.
+    let (one, two) = asked[4..].split_at(9);
+    let length = u32::try_from(two.len()).expect("short");
+    let parts = [&words(&[9]), one, &words(&[0]), &words(&[0x8000_0000 | length]), two].concat();
+    lab.bytes(at, &parts);
+    assert_eq!(lab.sent(at)[28..36], words(&[0, 0x8001]));
+}
+
+#[test]
+fn a_query_is_read_in_parts() {
+    let mut lab = Lab::new();
+    let link = lab.link();
+    lab.write(link, 0, b"one;tw");
+    lab.write(link, END, b"o;three?");
+    assert_eq!(lab.fake.log.last().map(String::as_str), Some("32768: one;two;three?"));
+    assert_eq!(lab.read(link, 4, 0), (0, 1, b"one;".to_vec()), "as many as asked for");
+    lab.send(link.0, READ, &words(&[link.1, 100, 0, 0, TERMINATOR, u32::from(b';')]));
+    assert_eq!(lab.read_results(link.0), (0, 2, b"two;".to_vec()), "up to the character");
+    assert_eq!(lab.read(link, 6, 0), (0, 1 | 4, b"three\n".to_vec()), "the count, and the end");
+    assert_eq!(lab.read(link, 6, 0), (15, 0, Vec::new()), "nothing in time");
+}
+
+/// A read waits for its time, or until the reply is there; calls behind it wait with it.
+#[test]
+fn a_read_waits_for_a_reply() {
+    let mut lab = Lab::new();
+    let link = lab.link();
+    lab.advance(10.0);
+    lab.write(link, END, b"later?");
+    lab.send(link.0, READ, &words(&[link.1, 100, 500, 0, 0, 0]));
+    lab.send(link.0, READ_STB, &words(&[link.1, 0, 0, 0]));
+    lab.advance(10.4);
+    assert_eq!(lab.sent(link.0), Vec::<u8>::new());
+    lab.server.reply(0x8000, b"later\n");
+    lab.advance(10.45);
+    let sent = lab.sent(link.0);
+    assert_eq!(sent[28..40], words(&[0, 4, 6]));
+    assert_eq!(sent[52 + 24..], words(&[0, 0]), "the status byte behind it");
+    lab.send(link.0, READ, &words(&[link.1, 100, 500, 0, 0, 0]));
+    lab.advance(10.951);
+    assert_eq!(lab.read_results(link.0), (15, 0, Vec::new()));
+}
+
+#[test]
+fn another_message_interrupts_a_reply() {
+    let mut lab = Lab::new();
+    let link = lab.link();
+    lab.write(link, END, b"one?");
+    lab.write(link, END, b"two?");
+    assert_eq!(lab.fake.log[2], "32768 interrupted");
+    assert_eq!(lab.read(link, 100, 0).2, b"two\n");
+    lab.write(link, END, b"three?");
+    assert_eq!(lab.ask(link.0, CLEAR, &words(&[link.1, 0, 0, 0])), words(&[0]));
+    assert_eq!(lab.ask(link.0, TRIGGER, &words(&[link.1, 0, 0, 0])), words(&[0]));
+    assert_eq!(lab.read(link, 100, 0).0, 15, "cleared");
+    assert_eq!(lab.fake.log[5..], ["32768 cleared", "32768 triggers"]);
+}
+
+#[test]
+fn the_abort_channel_ends_a_read() {
+    let mut lab = Lab::new();
+    let (link, other) = (lab.link(), lab.connect());
+    lab.send(link.0, READ, &words(&[link.1, 100, 60_000, 0, 0, 0]));
+    lab.bytes(other, &record(&call(ABORT, 1, 1, &words(&[link.1]))));
+    assert_eq!(lab.results(other), words(&[0]));
+    assert_eq!(lab.read_results(link.0), (23, 0, Vec::new()));
+    lab.bytes(other, &record(&call(ABORT, 1, 1, &words(&[77]))));
+    assert_eq!(lab.results(other), words(&[4]), "no such link");
+}
+
+/// A lock keeps other links and HiSLIP's sessions out, for as long as they wait for it.
+#[test]
+fn locks_bind_both_protocols() {
+    let mut lab = Lab::new();
+    let (one, two) = (lab.link(), lab.link());
+    assert_eq!(lab.ask(one.0, LOCK, &words(&[one.1, 0, 0])), words(&[0]));
+    assert_eq!(lab.ask(one.0, LOCK, &words(&[one.1, 0, 0])), words(&[11]), "held already");
+    assert_eq!(lab.ask(two.0, UNLOCK, &words(&[two.1])), words(&[12]), "not held");
+    assert_eq!(lab.fake.locks().request(1, b""), Grant::Busy, "a HiSLIP session");
+    let write = |flags, timeout| [words(&[two.1, 0, timeout, flags]), opaque(b"two?")].concat();
+    assert_eq!(lab.ask(two.0, WRITE, &write(END, 1000)), words(&[11, 0]), "does not wait");
+    lab.send(two.0, WRITE, &write(END | WAIT, 1000));
+    lab.advance(0.9);
+    assert_eq!(lab.sent(two.0), Vec::<u8>::new());
+    assert_eq!(lab.ask(one.0, UNLOCK, &words(&[one.1])), words(&[0]));
+    assert_eq!(lab.results(two.0), words(&[0, 4]));
+    // A HiSLIP session's lock.
+    assert_eq!(lab.fake.locks().request(1, b""), Grant::Granted);
+    lab.send(two.0, LOCK, &words(&[two.1, WAIT, 1000]));
+    lab.advance(1.95);
+    assert_eq!(lab.results(two.0), words(&[11]), "the time is over");
+    // A link that takes the lock as it is created, and gives it back with its connection.
+    let late = lab.connect();
+    lab.send(late, CREATE_LINK, &[words(&[1, 1, 1000]), opaque(b"inst0")].concat());
+    lab.fake.locks().remove_session(1);
+    lab.advance(2.0);
+    assert_eq!(lab.results(late)[..4], words(&[0]));
+    assert_eq!(lab.ask(two.0, LOCK, &words(&[two.1, 0, 0])), words(&[11]));
+    lab.server.closed(late, &mut lab.fake);
+    assert_eq!(lab.ask(two.0, LOCK, &words(&[two.1, 0, 0])), words(&[0]));
+}
+
+#[test]
+fn a_service_request_goes_to_the_client() {
+    let mut lab = Lab::new();
+    let link = lab.link();
+    let channel = |address: [u8; 4], family| {
+        words(&[u32::from_be_bytes(address), 999, 0x0006_07B1, 1, family])
+    };
+    assert_eq!(lab.ask(link.0, DESTROY_INTERRUPT, &[]), words(&[6]));
+    assert_eq!(lab.ask(link.0, CREATE_INTERRUPT, &channel([10, 0, 0, 8], 0)), words(&[21]));
+    assert_eq!(lab.ask(link.0, CREATE_INTERRUPT, &channel([10, 0, 0, 9], 1)), words(&[8]), "UDP");
+    let address = SocketAddrV4::new(Ipv4Addr::new(10, 0, 0, 9), 999);
+    for is_open in [false, true] {
+        lab.send(link.0, CREATE_INTERRUPT, &channel([10, 0, 0, 9], 0));
+        assert_eq!(lab.server.take_interrupts(), [Interrupt::Connect(link.0, address)]);
+        assert_eq!(lab.sent(link.0), Vec::<u8>::new(), "until it is there");
+        lab.server.interrupt_channel(link.0, is_open);
+        lab.advance(0.0);
+        assert_eq!(lab.results(link.0), words(&[if is_open { 0 } else { 6 }]));
+    }
+    assert_eq!(lab.ask(link.0, CREATE_INTERRUPT, &channel([10, 0, 0, 9], 0)), words(&[29]));
+    let enable = [words(&[link.1, 1]), opaque(b"mine")].concat();
+    assert_eq!(lab.ask(link.0, ENABLE_SRQ, &enable), words(&[0]));
+    (lab.fake.event, lab.fake.enabled) = (true, 32);
+    lab.advance(0.1);
+    lab.advance(0.2);
+    let told = [words(&[1, 0, 2, 0x0006_07B1, 1, 30, 0, 0, 0, 0]), opaque(b"mine")].concat();
+    assert_eq!(lab.server.take_interrupts(), [Interrupt::Send(link.0, record(&told))], "once");
+    for byte in [32 | 64, 32] {
+        let polled = lab.ask(link.0, READ_STB, &words(&[link.1, 0, 0, 0]));
+        assert_eq!(polled, words(&[0, byte]), "bit 6 until it is polled");
+    }
+    assert_eq!(lab.ask(link.0, DESTROY_INTERRUPT, &[]), words(&[0]));
+    assert_eq!(lab.server.take_interrupts(), [Interrupt::Close(link.0)]);
+}
+
+#[test]
+fn links_have_names_owners_and_an_end() {
+    let mut lab = Lab::new();
+    let (at, other) = (lab.connect(), lab.link());
+    let create = |name: &[u8]| [words(&[1, 0, 0]), opaque(name)].concat();
+    assert_eq!(lab.ask(at, CREATE_LINK, &create(b"gpib0,7")), words(&[3, 0, 0, 0]));
+    let links: Vec<u32> = (1..MAX_LINKS).map(|_| lab.link_on(at)).collect();
+    assert_eq!(lab.ask(at, CREATE_LINK, &create(b"INST0")), words(&[9, 0, 0, 0]));
+    assert_eq!(lab.ask(at, DESTROY_LINK, &words(&[other.1])), words(&[4]), "another client's");
+    assert_eq!(lab.ask(at, READ_STB, &words(&[other.1, 0, 0, 0])), words(&[4, 0]));
+    assert_eq!(lab.ask(at, DO_COMMAND, &words(&[links[0], 0])), words(&[8, 0]));
+    assert_eq!(lab.ask(at, DESTROY_LINK, &words(&[links[0]])), words(&[0]));
+    assert_eq!(lab.read((at, links[0]), 1, 0), (4, 0, Vec::new()));
+    assert_eq!(lab.link_on(at), links[0]);
+    lab.server.closed(at, &mut lab.fake);
+    let closed = lab.fake.log.iter().filter(|line| line.starts_with("close ")).count();
+    assert_eq!(closed, MAX_LINKS, "all but the other client's, one of them twice");
+}
+
+/// Refusals of RFC 5531, section 9; the connection goes on.
+#[test]
+fn what_does_not_exist_is_refused() {
+    let mut lab = Lab::new();
+    let at = lab.connect();
+    let mut refused = |message: &[u8]| {
+        lab.bytes(at, &record(message));
+        lab.sent(at)[4..].to_vec()
+    };
+    assert_eq!(refused(&call(CORE, 1, 0, &[])), words(&[7, 1, 0, 0, 0, 0]), "null");
+    assert_eq!(refused(&call(100_003, 3, 1, &[])), words(&[7, 1, 0, 0, 0, 1]), "program");
+    assert_eq!(refused(&call(CORE, 2, 10, &[])), words(&[7, 1, 0, 0, 0, 2, 1, 1]), "version");
+    assert_eq!(refused(&call(CORE, 1, 21, &[])), words(&[7, 1, 0, 0, 0, 3]), "procedure");
+    assert_eq!(refused(&call(CORE, 1, 12, &[0; 20])), words(&[7, 1, 0, 0, 0, 4]), "arguments");
+    let lying = [words(&[1, 0, 0, 0]), words(&[u32::MAX])].concat();
+    assert_eq!(refused(&call(CORE, 1, WRITE, &lying)), words(&[7, 1, 0, 0, 0, 4]), "a length");
+    assert_eq!(refused(&words(&[7, 0, 3, CORE, 1, 0, 0, 0, 0, 0])), words(&[7, 1, 1, 0, 2, 2]));
+    assert!(!lab.is_closed(at));
+}
+
+/// What is no call, or too long to be one, ends its connection and no other.
+#[test]
+fn garbage_ends_its_own_connection() {
+    let mut lab = Lab::new();
+    let link = lab.link();
+    let reply = words(&[7, 1, 0, 0, 0, 0]);
+    let endless = [0x7F_u8, 0xFF, 0xFF, 0xFF];
+    for bytes in [&b"GET / HTTP/1.1\r\n\r\n"[..], &record(&reply), &record(b""), &endless] {
+        let at = lab.connect();
+        lab.bytes(at, bytes);
+        assert!(lab.is_closed(at) && lab.sent(at).is_empty(), "{bytes:?}");
+    }
+    // Many fragments, none of which is the last one.
+    let at = lab.connect();
+    let fragment = [words(&[1024]), vec![0; 1024]].concat();
+    (0..70).for_each(|_| lab.bytes(at, &fragment));
+    assert!(lab.is_closed(at));
+    // A client that goes on sending while its call waits.
+    let (at, number) = lab.link();
+    lab.send(at, READ, &words(&[number, 1, 60_000, 0, 0, 0]));
+    (0..70).for_each(|_| lab.bytes(at, &[0; 1024]));
+    assert!(lab.is_closed(at));
+    lab.write(link, END, b"alive?");
+    assert_eq!(lab.read(link, 100, 0).2, b"alive\n");
+}
+
+#[test]
+fn the_port_mapper_knows_the_port() {
+    let ask = |version, procedure, arguments: &[u32]| {
+        let asked = call(100_000, version, procedure, &words(arguments));
+        port_mapper::answer(&asked, 4711).expect("a reply")
+    };
+    let port = |port| words(&[7, 1, 0, 0, 0, 0, port]);
+    assert_eq!(ask(2, 3, &[CORE, 1, 6, 0]), port(4711));
+    assert_eq!(ask(2, 3, &[CORE, 1, 17, 0]), port(0), "not over UDP");
+    assert_eq!(ask(2, 3, &[100_003, 3, 6, 0]), port(0), "no such program");
+    assert_eq!(ask(2, 0, &[]), words(&[7, 1, 0, 0, 0, 0]));
+    let list = words(&[7, 1, 0, 0, 0, 0, 1, CORE, 1, 6, 4711, 1, ABORT, 1, 6, 4711, 0]);
+    assert_eq!(ask(2, 4, &[]), list);
+    // Later versions are told which one is spoken; nobody registers anything.
+    assert_eq!(ask(4, 3, &[]), words(&[7, 1, 0, 0, 0, 2, 2, 2]));
+    assert_eq!(ask(2, 1, &[CORE, 1, 6, 1]), words(&[7, 1, 0, 0, 0, 3]));
+    assert_eq!(ask(2, 3, &[CORE]), words(&[7, 1, 0, 0, 0, 4]));
+    assert_eq!(port_mapper::answer(b"no call", 4711), None);
+}
