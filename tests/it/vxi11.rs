@@ -29,19 +29,19 @@ const WAIT: u32 = 1;
 const END: u32 = 8;
 const TERMINATOR: u32 = 128;
 
-fn words(words: &[u32]) -> Vec<u8> {
+pub fn words(words: &[u32]) -> Vec<u8> {
     words.iter().flat_map(|word| word.to_be_bytes()).collect()
 }
 
 /// Bytes with their length before them, filled up to a word.
-fn opaque(bytes: &[u8]) -> Vec<u8> {
+pub fn opaque(bytes: &[u8]) -> Vec<u8> {
     let length = u32::try_from(bytes.len()).expect("short");
     let mut out = [&words(&[length]), bytes].concat();
     out.resize(out.len().next_multiple_of(4), 0);
     out
 }
 
-fn call(program: u32, version: u32, procedure: u32, arguments: &[u8]) -> Vec<u8> {
+pub fn call(program: u32, version: u32, procedure: u32, arguments: &[u8]) -> Vec<u8> {
     [words(&[7, 0, 2, program, version, procedure, 0, 0, 0, 0]), arguments.to_vec()].concat()
 }
 

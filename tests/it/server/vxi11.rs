@@ -4,23 +4,9 @@ use std::io::{Read as _, Write as _};
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
 
 use super::{IDENTITY, LIMIT, Server};
+use crate::vxi11::{call, opaque, words};
 
 const CORE: u32 = 0x0006_07AF;
-
-fn words(words: &[u32]) -> Vec<u8> {
-    words.iter().flat_map(|word| word.to_be_bytes()).collect()
-}
-
-fn opaque(bytes: &[u8]) -> Vec<u8> {
-    let length = u32::try_from(bytes.len()).expect("short");
-    let mut out = [&words(&[length]), bytes].concat();
-    out.resize(out.len().next_multiple_of(4), 0);
-    out
-}
-
-fn call(program: u32, version: u32, procedure: u32, arguments: &[u8]) -> Vec<u8> {
-    [words(&[7, 0, 2, program, version, procedure, 0, 0, 0, 0]), arguments.to_vec()].concat()
-}
 
 /// One record, sent.
 fn send(stream: &mut TcpStream, message: &[u8]) {
