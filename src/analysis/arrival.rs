@@ -13,9 +13,10 @@
 //! `u_fit`, `u_slope`: from the samples' noise through the fit's covariance; `u_zero`, `u_tilt`: the
 //! baseline's, grown by undoing the droop ([`super::droop`]); `u_dt = dt^2 |y''/y'| / (8 sqrt(3))`: what a straight line between two
 //! samples may miss of the curve, the sample interval's share. Propagation: JCGM 100:2008, Eq. (10). To both places that are found
-//! as a polynomial's extremum or inflection comes `u_shape`, since pulses are no polynomials: by how much fits over 1.3 and 1.6 times as many samples move a peak
-//! at most; of an inflection, the distance to that of the wider fit over 1.6^3 - 1, as what a quartic leaves out goes with the width's third
-//! power or a higher one. Valid for pulses that rise
+//! as a polynomial's extremum or inflection comes `u_shape`, since pulses are no polynomials: from the distance to that of a fit over 1.6 times as many
+//! samples. What a quartic leaves out moves an inflection by the width's fourth power: it counts over 1.6^4 - 1. A peak may stand beside another one: it counts whole where
+//! the wider fit's residuals exceed the noise by more than a standard deviation, else over 1.6^2.5 - 1: contacts open with
+//! the force's power 3/2, which no polynomial follows. Valid for pulses that rise
 //! over at least four samples and stand at least six standard deviations out of the noise; for signals whose time constant is
 //! not known, droop moves arrivals by more than is stated (peaks by about 1 us in this bench).
 
@@ -69,8 +70,8 @@ struct Fitted(usize, f64);
 const LEVEL: Fitted = Fitted(3, 0.35);
 const PEAK: Fitted = Fitted(4, 0.5);
 const STEEPEST: Fitted = Fitted(4, 0.75);
-/// How much wider the fits are that tell what the pulse's shape does to a place found (1).
-const FIT_WIDTH_FACTORS: [f64; 2] = [1.3, 1.6];
+/// How much wider the fit is that tells what the pulse's shape does to a place found (1).
+const FIT_WIDTH_FACTOR: f64 = 1.6;
 /// A level this many standard deviations of the smoothed noise high can be found (1).
 const MIN_LEVEL_DEVIATIONS: f64 = 4.0;
 /// A fit is moved to what it found this many times.
@@ -82,11 +83,10 @@ fn over_noisy(divisor: f64, variance: f64) -> f64 {
     1.0 + 3.0 * variance / (divisor * divisor)
 }
 
-/// A fitted polynomial, the place found in it, and the variance of each sample that went in.
+/// A fitted polynomial and the place found in it.
 struct Place {
     fit: LocalFit,
     x: f64,
-    variance: f64,
 }
 
 impl Pulse {
@@ -102,8 +102,8 @@ impl Pulse {
 
     /// Height of the first peak above the baseline (unit).
     pub fn height(&self) -> Option<Uncertain> {
-        let Place { fit, x, variance } = self.peak_place()?;
-        let noise = variance * fit.value_variance(x);
+        let Place { fit, x } = self.peak_place()?;
+        let noise = self.variance(&fit, &fit.value_gradient(x));
         let zero = self.zero_variance(fit.time(x));
         Some(Uncertain::normal(fit.value(x), (noise + zero).sqrt()))
     }
@@ -133,12 +133,12 @@ impl Pulse {
     fn crossing(&self, share: f64, at: usize) -> Option<Uncertain> {
         let peak = self.height()?;
         let level = share * peak.value;
-        let (fit, variance) = self.fit(at, self.share_of_rise(&LEVEL), LEVEL.0)?;
+        let fit = self.fit(at, self.share_of_rise(&LEVEL), LEVEL.0)?;
         // A level is crossed upward before the peak and downward behind it.
         let sign = if at < self.peak { 1.0 } else { -1.0 };
         let x = nearest_fall(&|x| sign * (level - fit.value(x)))?;
         let slope = fit.slope(x);
-        let noise = variance * fit.value_variance(x);
+        let noise = self.variance(&fit, &fit.value_gradient(x));
         let height = (share * peak.u).powi(2);
         let zero = (1.0 - share).powi(2) * self.zero_variance(fit.time(x));
         let seconds = fit.scale() / slope;
@@ -148,7 +148,7 @@ impl Pulse {
     }
 
     fn peak_time(&self) -> Option<Uncertain> {
-        let Place { fit, x, variance } = self.peak_place()?;
+        let Place { fit, x } = self.peak_place()?;
         let shape = self.peak_shape(&fit, x);
         let curvature = fit.curvature(x);
         let tilt = self
@@ -157,17 +157,18 @@ impl Pulse {
             .map_or(0.0, |tau| (self.baseline.uncertainty * fit.scale() / tau).powi(2));
         let seconds = fit.scale() / curvature;
         let interval = self.interval_share(fit.bend(x) / curvature / fit.scale());
-        let noise = variance * fit.slope_variance(x) + tilt;
-        let variance = noise * seconds * seconds + interval * interval + shape * shape;
+        let of_curvature = self.variance(&fit, &[0.0, 0.0, 2.0, 6.0 * x, 12.0 * x * x]);
+        let noise = (self.variance(&fit, &fit.slope_gradient(x)) + tilt) * seconds * seconds;
+        let noise = noise * over_noisy(curvature, of_curvature);
+        let variance = noise + interval * interval + shape * shape;
         Some(Uncertain::normal(fit.time(x), variance.sqrt()))
     }
 
     /// The maximum of a polynomial around the first peak, whose middle is moved to where the maximum was found.
     fn peak_place(&self) -> Option<Place> {
-        let slope = |fit: &LocalFit, x| fit.slope(x);
         // Noise may leave a quartic over a flat top without a maximum; a parabola has one.
-        let parabola = || self.centred(self.peak, &Fitted(2, PEAK.1), &slope);
-        self.centred(self.peak, &PEAK, &slope).or_else(parabola)
+        let parabola = || self.centred(self.peak, &Fitted(2, PEAK.1), &LocalFit::slope);
+        self.centred(self.peak, &PEAK, &LocalFit::slope).or_else(parabola)
     }
 
     fn steepest(&self) -> Option<Uncertain> {
@@ -178,16 +179,14 @@ impl Pulse {
             of(at + step) - of(at.saturating_sub(step))
         };
         let rough = (start..=self.peak).max_by(|a, b| gain(a).total_cmp(&gain(b)))?;
-        let curvature = |fit: &LocalFit, x| fit.curvature(x);
-        let cubic = || self.centred(rough, &Fitted(3, STEEPEST.1), &curvature);
-        let place = self.centred(rough, &STEEPEST, &curvature).or_else(cubic)?;
-        let Place { fit, x, variance } = place;
+        let cubic = || self.centred(rough, &Fitted(3, STEEPEST.1), &LocalFit::curvature);
+        let Place { fit, x } =
+            self.centred(rough, &STEEPEST, &LocalFit::curvature).or_else(cubic)?;
         let bend = fit.bend(x);
         let gradient = [0.0, 0.0, 2.0, 6.0 * x, 12.0 * x * x];
         let seconds = fit.scale() / bend;
-        let of_bend = variance * fit.variance(&[0.0, 0.0, 0.0, 6.0, 24.0 * x]);
-        let noise =
-            variance * fit.variance(&gradient) * seconds * seconds * over_noisy(bend, of_bend);
+        let of_bend = self.variance(&fit, &[0.0, 0.0, 0.0, 6.0, 24.0 * x]);
+        let noise = self.variance(&fit, &gradient) * seconds * seconds * over_noisy(bend, of_bend);
         let interval = self.interval_share(1.0 / fit.scale());
         let shape = self.slope_shape(&fit, x);
         let standard_uncertainty = (noise + interval * interval + shape * shape).sqrt();
@@ -204,11 +203,11 @@ impl Pulse {
         let mut at = at;
         let mut found = None;
         for _ in 0..CENTRING_STEPS {
-            let (fit, variance) = self.fit(at, self.share_of_rise(fitted), fitted.0)?;
+            let fit = self.fit(at, self.share_of_rise(fitted), fitted.0)?;
             let x = nearest_fall(&|x| zero(&fit, x))?;
             let next = self.nearest(fit.time(x));
             let settled = next == at;
-            found = Some(Place { fit, x, variance });
+            found = Some(Place { fit, x });
             if settled {
                 break;
             }
@@ -217,24 +216,34 @@ impl Pulse {
         found
     }
 
-    /// By how much wider fits move the peak that was found at `x` in `fit`, at most (s).
-    fn peak_shape(&self, fit: &LocalFit, x: f64) -> f64 {
+    /// The fit over more samples than that which found the place at `x` in `fit`, and how far off it finds the place (s).
+    fn wider(
+        &self,
+        (fit, x): (&LocalFit, f64),
+        fitted: &Fitted,
+        zero: &dyn Fn(&LocalFit, f64) -> f64,
+    ) -> Option<(LocalFit, f64)> {
         let found = fit.time(x);
-        let moved = |factor: f64| {
-            let wider = Fitted(PEAK.0, factor * PEAK.1);
-            let place = self.centred(self.nearest(found), &wider, &|fit, x| fit.slope(x))?;
-            Some((place.fit.time(place.x) - found).abs())
-        };
-        FIT_WIDTH_FACTORS.into_iter().filter_map(moved).fold(0.0, f64::max)
+        let wider = Fitted(fitted.0, FIT_WIDTH_FACTOR * fitted.1);
+        let Place { fit, x } = self.centred(self.nearest(found), &wider, zero)?;
+        let moved = (fit.time(x) - found).abs();
+        Some((fit, moved))
     }
 
-    /// By how much the pulse's shape moves the inflection at `x` in `fit`, from where a wider fit finds it (s).
+    /// By how much the pulse's shape moves its peak at `x` in `fit` (s).
+    fn peak_shape(&self, fit: &LocalFit, x: f64) -> f64 {
+        let Some((wider, moved)) = self.wider((fit, x), &PEAK, &LocalFit::slope) else {
+            return 0.0;
+        };
+        let excess = wider.residual_variance() / self.noise.powi(2) - 1.0;
+        let by_chance = (2.0 / wider.freedom()).sqrt();
+        if excess > by_chance { moved } else { moved / (FIT_WIDTH_FACTOR.powf(2.5) - 1.0) }
+    }
+
+    /// By how much the pulse's shape moves its inflection at `x` in `fit` (s).
     fn slope_shape(&self, fit: &LocalFit, x: f64) -> f64 {
-        let found = fit.time(x);
-        let [_, factor] = FIT_WIDTH_FACTORS;
-        let wider = Fitted(STEEPEST.0, factor * STEEPEST.1);
-        let wider = self.centred(self.nearest(found), &wider, &|fit, x| fit.curvature(x));
-        wider.map_or(0.0, |p| (p.fit.time(p.x) - found).abs() / (factor.powi(3) - 1.0))
+        let wider = self.wider((fit, x), &STEEPEST, &LocalFit::curvature);
+        wider.map_or(0.0, |(_, moved)| moved) / (FIT_WIDTH_FACTOR.powi(4) - 1.0)
     }
 
     /// What a straight line between two samples may miss of the curve, for `bend` = `|y''/y'|` (1/s), as a time (s).

@@ -1,25 +1,28 @@
 //! Zero and noise of a trace, from its samples before the pulse.
 //!
 //! Noise of one sample: the baseline's root mean square about its mean, but no less than `q/sqrt(12)`, what the rounding to
-//! levels `q` apart leaves (JCGM 100:2008, F.2.2.1). Where noise is below 0.35 levels, rounding errors of neighbouring samples go
-//! together ([`super::rounding`]): the mean of a signal at rest has them in common, and a local fit over samples that span `c` levels
-//! counts as one over `c` samples.
+//! levels `q` apart leaves (JCGM 100:2008, F.2.2.1). Where noise is below half a level, rounding errors of neighbouring samples go
+//! together, and zero and noise follow from how often each code is shown ([`super::rounding`]).
 
 use std::ops::Range;
 
+use super::local_fit::LocalFit;
 use super::pulse_conditions::{Conditions, MIN_BASELINE_SAMPLES, PEAK_SHARE, PulseError};
-use super::rounding::Rounding;
+use super::rounding::{MovingScatter, Rounding, at_rest};
 use crate::trace::Trace;
 
 /// The baseline ends after this share of the samples before the pulse exceeds a quarter of the largest value (1).
 const BASELINE_SHARE: f64 = 2.0 / 3.0;
-/// Noise below this many levels leaves rounding errors that go together (1).
-const DITHER_NOISE: f64 = 0.35;
+/// Scatter below this many levels leaves rounding errors that go together (1).
+const DITHERED_RMS: f64 = 0.6;
+/// Samples of a smooth curve that tells the scatter, and levels that it spans at least.
+const CURVE_SAMPLES: usize = 12;
+const CURVE_LEVELS: f64 = 3.0;
 
 /// Zero and noise of a trace before the pulse.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Baseline {
-    /// Mean (unit).
+    /// The signal at rest: the mean, or what the codes of a quiet scope tell (unit).
     pub level: f64,
     /// Root mean square about the mean (unit).
     pub rms: f64,
@@ -27,7 +30,7 @@ pub struct Baseline {
     pub samples: usize,
     /// Time of its middle (s).
     pub middle: f64,
-    /// Standard uncertainty of the mean (unit).
+    /// Its standard uncertainty (unit).
     pub uncertainty: f64,
     /// The noise in front of the converter, as far as the codes tell it.
     pub rounding: Rounding,
@@ -43,17 +46,22 @@ impl Baseline {
             return Err(PulseError::NoBaseline { trace: trace.name.clone(), samples });
         }
         let count = values.len() as f64;
-        let level = values.iter().sum::<f64>() / count;
-        let squares: f64 = values.iter().map(|v| (v - level).powi(2)).sum();
+        let mean = values.iter().sum::<f64>() / count;
+        let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
         let rms = (squares / (count - 1.0)).sqrt();
-        let noise = noise_of(rms, conditions.level);
-        let rounding = Rounding::of(values, rms, conditions.level);
+        let step = conditions.level;
+        let (level, uncertainty, rounding) = if rms < DITHERED_RMS * step {
+            at_rest(values, step, scatter(trace, step))
+        } else {
+            let noise = (rms * rms - step * step / 12.0).sqrt();
+            (mean, rms / count.sqrt(), Rounding { level: step, noise })
+        };
         Ok(Self {
             level,
             rms,
             samples: values.len(),
             middle: 0.5 * (trace.time(range.start) + trace.time(range.end - 1)),
-            uncertainty: (noise * noise / count + rounding.common()).sqrt(),
+            uncertainty,
             rounding,
         })
     }
@@ -64,13 +72,23 @@ pub(super) fn noise_of(rms: f64, level: f64) -> f64 {
     rms.max(level / 12f64.sqrt())
 }
 
-/// Samples over independent samples: 1 with noise enough, else their number over that of the levels they span.
-pub(super) fn together(values: &[f64], rms: f64, level: f64) -> f64 {
-    if rms >= DITHER_NOISE * level {
-        return 1.0;
+/// Scatter of the samples of `trace` about cubics over a few of them each, wherever these span several levels `step` apart (unit).
+fn scatter(trace: &Trace, step: f64) -> MovingScatter {
+    let (mut squares, mut freedom) = (0.0, 0.0);
+    for start in (0..trace.values.len()).step_by(CURVE_SAMPLES) {
+        let range = start..(start + CURVE_SAMPLES).min(trace.values.len());
+        let values = trace.values.get(range.clone()).unwrap_or_default();
+        let (low, high) =
+            values.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
+        if values.len() == CURVE_SAMPLES
+            && high - low >= CURVE_LEVELS * step
+            && let Some(fit) = LocalFit::of(trace, range, 3)
+        {
+            squares += fit.residual_variance() * fit.freedom();
+            freedom += fit.freedom();
+        }
     }
-    let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
-    (values.len() as f64 / ((high - low) / level + 1.0)).max(1.0)
+    MovingScatter { variance: squares / f64::max(freedom, 1.0), freedom }
 }
 
 /// The first two thirds of the samples before the first that is a quarter of the largest deviation away from the start, as is one of the two behind it: a single one

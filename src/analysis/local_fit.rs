@@ -24,6 +24,9 @@ pub(super) struct LocalFit {
     scale: f64,
     pub(super) coefficients: Vec<f64>,
     covariance: Vec<Vec<f64>>,
+    samples: usize,
+    /// Sum of the squared differences that are left.
+    squares: f64,
 }
 
 impl LocalFit {
@@ -50,7 +53,21 @@ impl LocalFit {
         }
         let covariance = inverse(&normal).ok()?;
         let coefficients = covariance.iter().map(|row| dot(row, &right)).collect();
-        Some(Self { centre, scale, coefficients, covariance })
+        let samples = values.len();
+        let mut fit = Self { centre, scale, coefficients, covariance, samples, squares: 0.0 };
+        let places = (0..samples).map(|index| 2.0 * index as f64 / (samples - 1) as f64 - 1.0);
+        fit.squares = places.zip(values).map(|(x, y)| (y - fit.value(x)).powi(2)).sum();
+        Some(fit)
+    }
+
+    /// Samples less coefficients.
+    pub(super) fn freedom(&self) -> f64 {
+        (self.samples - self.coefficients.len()) as f64
+    }
+
+    /// Variance that the polynomial leaves of a sample.
+    pub(super) fn residual_variance(&self) -> f64 {
+        self.squares / self.freedom()
     }
 
     /// Coefficient of `x^k`, zero beyond the degree.
@@ -87,14 +104,24 @@ impl LocalFit {
         6.0 * self.coefficient(3) + 24.0 * self.coefficient(4) * x
     }
 
-    /// Variance of the value at `x` from noise of unit variance.
-    pub(super) fn value_variance(&self, x: f64) -> f64 {
-        self.variance(&powers(x, self.coefficients.len()))
+    /// The coefficients' weights in the value at `x`.
+    pub(super) fn value_gradient(&self, x: f64) -> Vec<f64> {
+        powers(x, self.coefficients.len())
     }
 
-    /// Variance of the slope at `x` from noise of unit variance.
-    pub(super) fn slope_variance(&self, x: f64) -> f64 {
-        self.variance(&slopes(x, self.coefficients.len()))
+    /// The coefficients' weights in the slope at `x`.
+    pub(super) fn slope_gradient(&self, x: f64) -> Vec<f64> {
+        slopes(x, self.coefficients.len())
+    }
+
+    /// Each sample's weight in the sum of coefficients with the weights `gradient`, and the polynomial there.
+    pub(super) fn weights(&self, gradient: &[f64]) -> impl Iterator<Item = (f64, f64)> {
+        let row: Vec<f64> = self.covariance.iter().map(|row| dot(row, gradient)).collect();
+        let step = 2.0 / (self.samples - 1) as f64;
+        (0..self.samples).map(move |index| {
+            let x = step * index as f64 - 1.0;
+            (dot(&powers(x, row.len()), &row), self.value(x))
+        })
     }
 
     /// Variance of the sum of coefficients with the weights `gradient`, from noise of unit variance.
@@ -154,7 +181,13 @@ mod tests {
         let m = 4.0;
         let gain = 3.0 * (3.0 * m * m + 3.0 * m - 1.0)
             / ((2.0 * m - 1.0) * (2.0 * m + 1.0) * (2.0 * m + 3.0));
-        assert!((fit.value_variance(0.0) - gain).abs() < 1e-12);
+        let gradient = fit.value_gradient(0.0);
+        assert!((fit.variance(&gradient) - gain).abs() < 1e-12);
+        // The value is the samples' sum with their weights, and has the variance of the squared weights.
+        let weighed: Vec<_> = fit.weights(&gradient).collect();
+        let sum: f64 = weighed.iter().map(|(weight, value)| weight * value).sum();
+        let squares: f64 = weighed.iter().map(|(weight, _)| weight * weight).sum();
+        assert!((sum - fit.value(0.0)).abs() < 1e-12 && (squares - gain).abs() < 1e-12);
         let x = nearest_fall(&|x| cubic(0.9) - fit.value(x)).expect("a crossing");
         assert!((cubic(fit.time(x)) - cubic(0.9)).abs() < 1e-12);
         assert!(LocalFit::of(&trace, 0..2, 3).is_none());

@@ -7,9 +7,8 @@
 
 use super::pulse_conditions::MIN_PROMINENCE;
 pub use super::pulse_conditions::{Conditions, PEAK_SHARE, PulseError};
-use std::ops::Range;
 
-use super::baseline::{Baseline, noise_of, together};
+use super::baseline::{Baseline, noise_of};
 use super::droop::undo_droop;
 use super::local_fit::LocalFit;
 use crate::trace::Trace;
@@ -104,18 +103,20 @@ impl Pulse {
         (self.peak - self.half).max(1)
     }
 
-    /// A polynomial through the samples up to `reach` on either side of sample `at`, and the variance that counts for each.
-    pub(super) fn fit(&self, at: usize, reach: usize, degree: usize) -> Option<(LocalFit, f64)> {
+    /// A polynomial through the samples up to `reach` on either side of sample `at`.
+    pub(super) fn fit(&self, at: usize, reach: usize, degree: usize) -> Option<LocalFit> {
         let reach = reach.max(2);
         let range = at.saturating_sub(reach)..(at + reach + 1).min(self.signal.values.len());
-        let fit = LocalFit::of(&self.signal, range.clone(), degree)?;
-        Some((fit, self.noise * self.noise * self.rounding_together(range)))
+        LocalFit::of(&self.signal, range, degree)
     }
 
-    /// How many times fewer independent samples there are than samples, for lack of noise.
-    fn rounding_together(&self, range: Range<usize>) -> f64 {
-        let values = self.signal.values.get(range).unwrap_or_default();
-        together(values, self.baseline.rms, self.conditions.level)
+    /// Variance that noise and rounding give the sum of the coefficients of `fit` with the weights `gradient`.
+    pub(super) fn variance(&self, fit: &LocalFit, gradient: &[f64]) -> f64 {
+        let rounding = self.baseline.rounding;
+        let weights: Vec<(f64, f64)> = fit.weights(gradient).collect();
+        // The noise that the samples show may be more than what is told apart of it.
+        let unseen = (self.noise.powi(2) - rounding.sample().powi(2)).max(0.0);
+        unseen * fit.variance(gradient) + rounding.variance(&weights)
     }
 
     /// Variance of the signal's zero at `time` (s): the baseline's, grown by undoing the droop.

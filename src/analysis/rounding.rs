@@ -5,13 +5,91 @@
 //! sum is `1/12`, from `s` = 0.35 on it is below 0.0004.
 //! Source: B. Widrow, I. Kollár, "Quantization Noise" (Cambridge, 2008), chapters 4 and 5 (characteristic functions); Fourier series of the
 //! sawtooth. Valid for signals that are known to a fraction of a level but for their zero.
+//!
+//! Zero `z` and noise of a signal at rest follow from how often each code `k` is shown ([`at_rest`]): it has the probability
+//! `P_k = Phi((k + 1/2 - z)/s) - Phi((k - 1/2 - z)/s)`, and Bayes' rule with even priors of `z` and `ln s` makes of the codes' likelihood a distribution of both. A single
+//! code leaves the zero anywhere within it, but for the noise; two or more tell it to a fraction of the noise. Where the signal crosses levels fast, its scatter about a smooth
+//! curve has the variance `s^2 + 1/12`, which tells the noise beside.
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
+
+use crate::quantity::coverage::normal_share;
 
 /// Harmonics of the sawtooth that are followed; what they leave counts as white.
 const HARMONICS: u32 = 24;
 /// Harmonics weaker than this variance are left out (1).
 const NEGLIGIBLE: f64 = 1e-7;
+/// Noises that are tried: the lowest (levels), the ratio of neighbours (1) and their number, up to where rounding errors are white.
+const NOISES: (f64, f64, i32) = (0.0015, 1.23, 30);
+/// Zeros that are tried on either side of the codes' mean, and their distance (levels).
+const ZEROS: (i32, f64) = (120, 0.005);
+/// Least probability of a code: the normal distribution's own error (1).
+const LEAST_PROBABILITY: f64 = 1e-7;
+
+/// Probability that a signal `below` levels above a code's middle is shown as that code, for `noise` (levels) (1).
+fn probability(below: f64, noise: f64) -> f64 {
+    let share = normal_share((0.5 - below) / noise) - normal_share((-0.5 - below) / noise);
+    share.max(LEAST_PROBABILITY)
+}
+
+fn noises() -> impl Iterator<Item = f64> {
+    (0..NOISES.2).map(|number| NOISES.0 * NOISES.1.powi(number))
+}
+
+/// Scatter of samples where the signal crosses levels.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct MovingScatter {
+    /// Mean of the squared differences from a smooth curve (V^2).
+    pub variance: f64,
+    /// Their degrees of freedom (1).
+    pub freedom: f64,
+}
+
+impl MovingScatter {
+    /// Logarithm of its likelihood for `noise` in levels of `level` (unit): a variance's own scatters by the fourth moments of a normal and an even distribution.
+    fn likelihood(&self, level: f64, noise: f64) -> f64 {
+        if self.freedom <= 0.0 {
+            return 0.0;
+        }
+        let square = noise * noise;
+        let spread = (1.0 / 180.0 + square / 3.0 + 2.0 * square * square) / self.freedom;
+        let off = self.variance / (level * level) - square - 1.0 / 12.0;
+        -0.5 * (off * off / spread + spread.ln())
+    }
+}
+
+/// Zero of a signal at rest, its standard uncertainty, and the noise in front of the converter, from rounded `values` `level` apart (unit); elsewhere the signal's
+/// samples have this scatter.
+pub fn at_rest(values: &[f64], level: f64, moving: MovingScatter) -> (f64, f64, Rounding) {
+    let mut codes: BTreeMap<i64, f64> = BTreeMap::new();
+    let first = values.first().copied().unwrap_or(0.0);
+    for value in values {
+        *codes.entry(((value - first) / level).round() as i64).or_default() += 1.0;
+    }
+    let count = values.len() as f64;
+    let mean = codes.iter().map(|(code, times)| *code as f64 * times).sum::<f64>() / count;
+    let likelihood = |zero: f64, noise: f64| -> f64 {
+        codes.iter().map(|(code, n)| n * probability(zero - *code as f64, noise).ln()).sum()
+    };
+    let zeros = || (-ZEROS.0..=ZEROS.0).map(|number| mean + ZEROS.1 * f64::from(number));
+    let all: Vec<(f64, f64, f64)> = noises()
+        .map(|noise| (noise, moving.likelihood(level, noise)))
+        .flat_map(|(noise, of_moving)| zeros().map(move |zero| (zero, noise, of_moving)))
+        .map(|(zero, noise, of_moving)| (zero, noise, of_moving + likelihood(zero, noise)))
+        .collect();
+    let highest = all.iter().fold(f64::NEG_INFINITY, |high, (.., l)| high.max(*l));
+    let over = |of: &dyn Fn(f64, f64) -> f64| {
+        let weighed = all.iter().map(|(zero, noise, l)| (of(*zero, *noise), (l - highest).exp()));
+        let (sum, weights) =
+            weighed.fold((0.0, 0.0), |(s, w), (of, weight)| (s + weight * of, w + weight));
+        sum / weights
+    };
+    let zero = over(&|zero, _| zero);
+    let variance = over(&|other, _| (other - zero).powi(2)) + ZEROS.1 * ZEROS.1 / 12.0;
+    let noise = over(&|_, noise| noise);
+    (first + level * zero, level * variance.sqrt(), Rounding { level, noise: level * noise })
+}
 
 /// A digitiser's level and the noise in front of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,19 +101,6 @@ pub struct Rounding {
 }
 
 impl Rounding {
-    /// What `values` of a quiet part tell: the noise behind their scatter `rms` about the mean. Codes on one or two levels tell no noise,
-    /// and none is assumed, the worst for an average.
-    pub fn of(values: &[f64], rms: f64, level: f64) -> Self {
-        let (low, high) =
-            values.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
-        let noise = if high - low < 1.5 * level {
-            0.0
-        } else {
-            (rms * rms - level * level / 12.0).max(0.0).sqrt()
-        };
-        Self { level, noise }
-    }
-
     /// Standard uncertainty of one sample, noise and rounding (unit).
     pub fn sample(&self) -> f64 {
         self.noise.hypot(self.level / 12f64.sqrt())
@@ -80,6 +145,28 @@ mod tests {
     use rand_pcg::Pcg64;
 
     use super::*;
+
+    /// Zeros of signals at rest, anywhere between two levels: intervals of 1.96 standard uncertainties hold them, whatever the noise. Without noise the zero is evenly distributed
+    /// within a code, of which they hold less or all.
+    #[test]
+    fn zeros_of_signals_at_rest_are_as_certain_as_said() {
+        let mut numbers = Pcg64::new(3, 9);
+        for noise in [0.001, 0.05, 0.1, 0.2, 0.35] {
+            let mut inside = 0;
+            for _ in 0..1000 {
+                let zero: f64 = StandardUniform.sample(&mut numbers);
+                let mut sample = || {
+                    let deviate: f64 = StandardNormal.sample(&mut numbers);
+                    (zero + noise * deviate).round()
+                };
+                let codes: Vec<f64> = (0..300).map(|_| sample()).collect();
+                let (found, u, _) = at_rest(&codes, 1.0, MovingScatter::default());
+                inside += i32::from((found - zero).abs() <= 1.96 * u);
+            }
+            println!("noise {noise}: {inside}");
+            assert!((900..=1000).contains(&inside), "noise {noise}: {inside}");
+        }
+    }
 
     /// Means and slopes of rounded samples scatter as said: 4000 draws of the phase for a signal at rest and for a slow ramp.
     #[test]

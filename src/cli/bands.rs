@@ -5,6 +5,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::picture::PlotArguments;
+use super::spectrum::add_band_edges;
 use crate::analysis::dispersion::DiatomicChain;
 use crate::measurement::metadata;
 use crate::quantity::{Dimension, parse};
@@ -78,13 +79,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         return super::print(&report::bands(&title, &rows, now));
     }
     let points = rows.iter().map(|(force, chain)| {
-        json!({
-            "preload_n": force,
-            "f1_hz": chain.gap_bottom(),
-            "f2_hz": chain.gap_top(),
-            "f3_hz": chain.cutoff(),
-            "long_wave_speed_m_per_s": chain.sound_speed(),
-        })
+        let mut point =
+            json!({ "preload_n": force, "long_wave_speed_m_per_s": chain.sound_speed() });
+        add_band_edges(&mut point, Some(chain));
+        point
     });
     super::print(&serde_json::to_string_pretty(&json!({
         "scene": scene.name, "particle": particle, "preload_n": now, "bands": points.collect::<Vec<_>>(),

@@ -2,6 +2,7 @@
 
 use clap::Args;
 
+use super::picture::PlotArguments;
 use super::progress::JobProgress;
 use crate::report;
 use crate::scene::adjust::Adjustable;
@@ -15,6 +16,8 @@ pub struct Arguments {
     scene: String,
     #[command(flatten)]
     draws: DrawArguments,
+    #[command(flatten)]
+    plot: PlotArguments,
     /// Print as JSON
     #[arg(long)]
     json: bool,
@@ -27,7 +30,7 @@ pub struct Arguments {
 #[derive(Debug, Clone, Copy, Args)]
 pub struct DrawArguments {
     /// Number of Monte Carlo runs over the scene's uncertain inputs (Latin hypercube)
-    #[arg(long, value_name = "N", default_value_t = 400, value_parser = clap::value_parser!(u32).range(20..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(20..=1_000_000))]
     samples: u32,
     /// Random seed of these runs
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -60,7 +63,9 @@ impl DrawArguments {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    arguments.plot.check()?;
     let found = arguments.draws.predict(&arguments.scene, false, arguments.quiet)?;
+    arguments.plot.save(|| report::budget_picture(&found))?;
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&found)?)
     } else {

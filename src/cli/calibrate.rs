@@ -13,14 +13,13 @@ use super::progress::JobProgress;
 use crate::client::Address;
 use crate::files::{self, NewFolder};
 use crate::measurement::calibration::{self, Calibrated, sensor_file};
-use crate::quantity::{Dimension, parse};
 use crate::recording::mcap;
 use crate::report::calibration::page;
 use crate::report::calibration_design::design_page;
 use crate::report::certificate::{certificate, pictures};
-use crate::scene::plan::{self, CalibrationPlan};
+use crate::scene::plan::{self, CalibrationPlan, lab};
 use crate::studies::momentum_test::coverage::coverage;
-use crate::studies::momentum_test::design::{Designer, LabUncertainties, TestDesign, strikers};
+use crate::studies::momentum_test::design::{Designer, TestDesign};
 
 /// Calibrate a sensor from the momentum of impacts: sensitivity, time constant, uncertainty budget, certificate
 #[derive(Debug, Args)]
@@ -29,8 +28,8 @@ pub struct Arguments {
     /// recorded now; `hertzscope help plan` shows one
     #[arg(required_unless_present = "simulate")]
     plan: Option<PathBuf>,
-    /// Instead, design the calibration of this sensor (a name or a file): simulates it over strikers, drop heights, V/div and s/div, and
-    /// shows the best; with --output, writes its plan and recordings
+    /// Instead, design the calibration of this sensor (a name or a file): simulates it over the laboratory's strikers and drop heights, V/div and
+    /// s/div, and shows the best; with --output, writes its plan and recordings
     #[arg(long, value_name = "SENSOR", conflicts_with = "plan")]
     simulate: Option<String>,
     /// With --simulate: try only strikers whose name contains this, e.g. ptfe
@@ -42,16 +41,15 @@ pub struct Arguments {
         hide_default_value = true
     )]
     striker: String,
+    /// With --simulate: strikers, heights and instruments, each with its standard uncertainty [default: as `hertzscope help lab` prints]
+    #[arg(long, value_name = "FILE.toml", requires = "simulate")]
+    lab: Option<PathBuf>,
     /// With --simulate: repeat the best calibration this many times with hidden true values; shows bias and coverage
     #[arg(long, value_name = "N", requires = "simulate", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     repeat: Option<u32>,
     /// With --simulate: random seed of readings, noise and true values
     #[arg(long, value_name = "N", requires = "simulate", default_value_t = 1)]
     seed: u64,
-    /// With --simulate: relative standard uncertainty of the scope's gain, e.g. 3% [default: none, sensor and scope are calibrated
-    /// together]
-    #[arg(long, value_name = "U", requires = "simulate", value_parser = share)]
-    gain_u: Option<f64>,
     #[command(flatten)]
     table: TableArguments,
     /// Write certificate, JSON, pictures and the sensor's file into this folder
@@ -66,14 +64,6 @@ pub struct Arguments {
     /// No progress bar
     #[arg(short, long)]
     quiet: bool,
-}
-
-fn share(text: &str) -> Result<f64, String> {
-    match parse(text, Dimension::NONE) {
-        Ok(share) if (0.0..1.0).contains(&share) => Ok(share),
-        Ok(_) => Err(format!("found {text}, expected a share from 0 to below 1, e.g. 3%")),
-        Err(error) => Err(format!("{error}, expected a share, e.g. 3%")),
-    }
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
@@ -125,16 +115,21 @@ fn acquire_impacts(plan: &mut CalibrationPlan) -> anyhow::Result<()> {
 
 fn simulate(arguments: &Arguments) -> anyhow::Result<()> {
     let sensor = arguments.simulate.as_deref().unwrap_or_default();
-    let lab = LabUncertainties { gain_u: arguments.gain_u, ..LabUncertainties::default() };
+    let mut lab = lab::load(arguments.lab.as_deref())?;
+    let names: Vec<String> = lab.strikers.iter().map(|striker| striker.name.clone()).collect();
+    lab.strikers.retain(|striker| striker.name.contains(&arguments.striker));
+    if lab.strikers.is_empty() {
+        bail!("no striker's name contains `{}`: there are {}", arguments.striker, names.join(", "));
+    }
     let designer = Designer::new(sensor, lab, arguments.seed)?;
     let mut progress = JobProgress::new("tests", arguments.quiet);
-    let candidates = designer.search(&arguments.striker, &mut |share| progress.at(share));
+    let candidates = designer.search(&mut |share| progress.at(share));
     progress.done();
     let candidates = candidates?;
     let Some(best) = candidates.first().filter(|best| best.expanded.is_some()) else {
         bail!(
-            "found no test that works with {sensor}, expected one: strikers are {}",
-            strikers().iter().map(|s| s.name.clone()).collect::<Vec<_>>().join(", ")
+            "no test works with {sensor} and {}: give other strikers or heights (--lab)",
+            names.join(", ")
         );
     };
     let mut progress = JobProgress::new("blind calibrations", arguments.quiet);
@@ -149,11 +144,11 @@ fn simulate(arguments: &Arguments) -> anyhow::Result<()> {
     };
     if arguments.json {
         let design = json!({
-            "sensor": sensor, "lab": lab, "best": best, "candidates": candidates, "blind": checked,
+            "sensor": sensor, "lab": arguments.lab, "best": best, "candidates": candidates, "blind": checked,
         });
         return super::print(&serde_json::to_string_pretty(&design)?);
     }
-    super::print(&design_page(sensor, &lab, &candidates, checked.as_ref()))?;
+    super::print(&design_page(sensor, designer.lab(), &candidates, checked.as_ref()))?;
     if let Some(plan) = written {
         super::print(&format!("  plan        {}", plan.display()))?;
     }

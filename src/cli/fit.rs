@@ -204,13 +204,14 @@ fn run_fit(
         write_document(file, &title, &|stem| report::fit_parts(&found, stem))?;
     }
     if arguments.json {
-        return super::print(&serde_json::to_string_pretty(&found.report)?);
+        super::print(&serde_json::to_string_pretty(&found.report)?)?;
+    } else {
+        super::print(&report::fit(&found.report))?;
+        if let Some(file) = &arguments.output {
+            super::print(&format!("  scene    {}", file.display()))?;
+        }
     }
-    super::print(&report::fit(&found.report))?;
-    if let Some(file) = &arguments.output {
-        super::print(&format!("  scene    {}", file.display()))?;
-    }
-    Ok(())
+    if found.report.only_noise_is_left { Ok(()) } else { Err(AnswerIsNo.into()) }
 }
 
 /// The fitted scene; digits two places beyond the uncertainty's.

@@ -63,7 +63,7 @@ const GROUPS: [(&str, &[Guide]); 5] = [
             ),
             with_answer(
                 guide("fit", "fit day.mcap magnet-0.61g --free striker.speed", "measurements.md"),
-                "nothing was determined",
+                "nothing was determined, or more than noise is left",
             ),
             with_answer(
                 guide("calibrate", "calibrate plan.toml -o certificate", "calibration.md"),

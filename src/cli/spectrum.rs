@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 
 use super::picture::PlotArguments;
 use super::signal::{SignalArguments, WindowChoice};
+use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::spectrum::{Analyser, Convention, SpectrumSettings};
 use crate::measurement::metadata;
 use crate::recording::TraceSet;
@@ -79,7 +80,7 @@ pub fn chain_at(
     set: &TraceSet,
     shot: u32,
     site: Option<Site>,
-) -> (Option<crate::analysis::dispersion::DiatomicChain>, Vec<String>) {
+) -> (Option<DiatomicChain>, Vec<String>) {
     let Some(site) = site else {
         return (
             None,
@@ -118,7 +119,7 @@ fn as_json(page: &SpectrumPage) -> Value {
             "band": page.chain.map(|chain| band(&chain, peak.frequency)),
         })
     });
-    json!({
+    let mut found = json!({
         "signal": page.title,
         "convention": spectrum.convention.to_string(),
         "unit": spectrum.unit,
@@ -128,11 +129,17 @@ fn as_json(page: &SpectrumPage) -> Value {
         "step_hz": spectrum.step,
         "resolution_hz": spectrum.resolution,
         "offset": page.offset,
-        "f1_hz": page.chain.map(|chain| chain.gap_bottom()),
-        "f2_hz": page.chain.map(|chain| chain.gap_top()),
-        "f3_hz": page.chain.map(|chain| chain.cutoff()),
         "peaks": peaks.collect::<Vec<_>>(),
         "amplitude": spectrum.amplitude,
         "notes": page.notes,
-    })
+    });
+    add_band_edges(&mut found, page.chain.as_ref());
+    found
+}
+
+/// Adds the band edges of `chain` to what a script reads; null where it is not known.
+pub fn add_band_edges(found: &mut Value, chain: Option<&DiatomicChain>) {
+    found["f1_hz"] = json!(chain.map(DiatomicChain::gap_bottom));
+    found["f2_hz"] = json!(chain.map(DiatomicChain::gap_top));
+    found["f3_hz"] = json!(chain.map(DiatomicChain::cutoff));
 }

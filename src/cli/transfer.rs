@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::input::ReadingArguments;
 use super::picture::PlotArguments;
 use super::signal::{WindowChoice, named, time};
-use super::spectrum::chain_at;
+use super::spectrum::{add_band_edges, chain_at};
 use crate::analysis::gate::Gate;
 use crate::analysis::transfer::{TransferSettings, transfer};
 use crate::report::transfer::{TransferPage, decibels};
@@ -111,16 +111,13 @@ fn as_json(page: &TransferPage) -> Value {
             "gain": band.gain, "gain_db": decibels(band.gain), "coherence": band.coherence,
         }))
     });
-    json!({
+    let mut all = json!({
         "signals": page.title,
         "shots": page.shots,
         "segments": found.segments,
         "samples": found.length,
         "window": page.window,
         "step_hz": found.step,
-        "f1_hz": page.chain.map(|chain| chain.gap_bottom()),
-        "f2_hz": page.chain.map(|chain| chain.gap_top()),
-        "f3_hz": page.chain.map(|chain| chain.cutoff()),
         "chance_coherence": found.chance_coherence(),
         "bands": bands.collect::<Vec<_>>(),
         "gain": column(&|bin| found.bins[bin].gain),
@@ -128,5 +125,7 @@ fn as_json(page: &TransferPage) -> Value {
         "phase_rad": column(&|bin| found.bins[bin].phase),
         "coherence": column(&|bin| found.bins[bin].coherence),
         "notes": page.notes,
-    })
+    });
+    add_band_edges(&mut all, page.chain.as_ref());
+    all
 }

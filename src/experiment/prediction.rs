@@ -7,6 +7,7 @@ use super::error::RunError;
 use super::outcome::{Reading, Speed, speeds};
 use super::{Integration, method, read_bench, sample_grid, scene_bench};
 use crate::scene::Scene;
+use crate::scope::ChannelSetup;
 use crate::scope::acquire::volts_at_points;
 use crate::trace::Trace;
 
@@ -21,7 +22,7 @@ pub struct Prediction {
     pub speeds: Vec<Speed>,
     /// First peak at each channel with its sensor's droop undone, by the channel's name (V).
     pub heights: Vec<(String, f64)>,
-    /// What the scope would show of each channel around the trigger; empty where it is not triggered or none were asked for (V).
+    /// What the scope would show of each channel around the trigger, within its converter's range; empty where it is not triggered or none were asked for (V).
     pub traces: Vec<Trace>,
 }
 
@@ -66,7 +67,7 @@ pub fn predict(scene: &Scene, accuracy: f64, traces: bool) -> Result<Prediction,
 
 fn heights(scene: &Scene, readings: &[Reading]) -> Vec<(String, f64)> {
     let channels = (1..).zip(&scene.scope.channels);
-    let height = |(number, channel): (u8, &Option<crate::scope::ChannelSetup>)| {
+    let height = |(number, channel): (u8, &Option<ChannelSetup>)| {
         let channel = channel.as_ref()?;
         let index = scene.sensors.iter().position(|s| Some(&s.name) == channel.input.as_ref())?;
         let peak = readings.get(index)?.first_peak?.dynamic_n;
@@ -81,14 +82,16 @@ fn heights(scene: &Scene, readings: &[Reading]) -> Vec<(String, f64)> {
 fn shown_at(scene: &Scene, signals: &[Option<Vec<f64>>], trigger: usize) -> Vec<Trace> {
     let setup = &scene.scope;
     let interval = setup.model.interval(setup.time_base);
-    let trace = |(number, signal): (u8, &Option<Vec<f64>>)| {
+    let channels = setup.channels.iter().zip(signals);
+    let trace = |(number, (channel, signal)): (u8, (&Option<ChannelSetup>, &Option<Vec<f64>>))| {
+        let vertical = channel.as_ref()?.vertical;
         Some(Trace {
             name: format!("CH{number}"),
             unit: "V".to_owned(),
             start: -setup.trigger_point() * interval,
             interval,
-            values: volts_at_points(setup, signal.as_ref()?, trigger),
+            values: volts_at_points(setup, &vertical, signal.as_ref()?, trigger),
         })
     };
-    (1..).zip(signals).filter_map(trace).collect()
+    (1..).zip(channels).filter_map(trace).collect()
 }

@@ -5,6 +5,7 @@
 
 use super::forward::TimeAxis;
 use super::{FitError, FitOptions};
+use crate::analysis::baseline::Baseline;
 use crate::analysis::pulse::{Conditions, Pulse};
 use crate::analysis::rounding::Rounding;
 use crate::measurement::compare::ComparedShot;
@@ -43,6 +44,8 @@ pub struct ChannelRecord {
     pub counts: Vec<bool>,
     /// Noise and rounding before the pulse.
     pub rounding: Rounding,
+    /// Samples that they were found from.
+    pub quiet_samples: usize,
     /// Relative standard uncertainty of the channel's gain: 0 for an exact one, infinite where nothing is known (1).
     pub gain_u: f64,
 }
@@ -183,14 +186,15 @@ fn record(
     let all: Vec<f64> = waveform.codes.iter().map(|code| waveform.volts_of(*code)).collect();
     let conditions = Conditions { level, ..Conditions::default() };
     let found = capture.trace().map(|trace| Pulse::find(&trace, conditions));
-    let (baseline, sigma, rounding) = if let Some(Ok(pulse)) = found {
-        (pulse.baseline.level, pulse.noise, pulse.baseline.rounding)
+    let (baseline, sigma, rounding, quiet_samples) = if let Some(Ok(pulse)) = found {
+        let Baseline { level, rounding, samples, .. } = pulse.baseline;
+        (level, pulse.noise, rounding, samples)
     } else {
         notes.push(format!(
             "{name}: no quiet time before a pulse to take noise from; samples weigh by rounding alone"
         ));
         let silent = Rounding { level, noise: 0.0 };
-        (all.first().copied().unwrap_or(0.0), silent.sample(), silent)
+        (all.first().copied().unwrap_or(0.0), silent.sample(), silent, 0)
     };
     let of_scene = scene.scope.channels.get(wire.simulated).and_then(Option::as_ref);
     let mut vertical = waveform.vertical;
@@ -220,6 +224,7 @@ fn record(
         level,
         counts,
         rounding,
+        quiet_samples,
         gain_u: 0.0,
     }
 }

@@ -13,7 +13,9 @@ use crate::quantity::coverage::NORMAL_95;
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
 
 /// A larger residual variance than this is no chance (1).
-pub const MAX_RESIDUAL_VARIANCE: f64 = 1.3;
+const MAX_RESIDUAL_VARIANCE: f64 = 1.3;
+/// Standard deviations of a noise that few samples tell (1).
+const NOISE_DEVIATIONS: f64 = 4.0;
 /// Residuals of a model that is right do not follow one another by more than this (1).
 const MAX_AUTOCORRELATION: f64 = 0.1;
 /// A common rounding error of more than this, in squares of a level, makes neighbouring residuals alike (1).
@@ -97,6 +99,8 @@ pub struct FitReport {
     pub degrees_of_freedom: usize,
     /// Chi squared over the degrees of freedom; 1 where nothing but noise is left (1).
     pub residual_variance: f64,
+    /// Whether nothing but noise is left; else the scene leaves something out, and no uncertainty holds.
+    pub only_noise_is_left: bool,
     /// How well each channel is described.
     pub channels: Vec<ChannelResult>,
     /// Profiles of the badly determined numbers.
@@ -173,6 +177,7 @@ impl FittedMinimum<'_> {
             .zip(self.minimum.residuals.chunks(records.axis.count))
             .map(|(record, residuals)| channel(record, residuals))
             .collect();
+        let leftover = leftover(self.minimum, records, &channels);
         FitReport {
             measured: measured.name.to_owned(),
             scene: scene.name().to_owned(),
@@ -190,7 +195,8 @@ impl FittedMinimum<'_> {
             chi_squared: self.minimum.chi_squared,
             degrees_of_freedom: self.minimum.degrees_of_freedom,
             residual_variance: self.minimum.variance(),
-            notes: notes(self.minimum, records, &channels, &self.starts),
+            only_noise_is_left: leftover.is_none(),
+            notes: notes(self.minimum, records, leftover, &self.starts),
             channels,
             profiles: self.profiles,
             starts: self.starts,
@@ -240,31 +246,37 @@ fn channel(record: &ChannelRecord, residuals: &[f64]) -> ChannelResult {
     }
 }
 
-fn notes(
-    minimum: &Minimum,
-    records: &Records,
-    channels: &[ChannelResult],
-    starts: &[Option<f64>],
-) -> Vec<String> {
-    let mut notes = records.notes.clone();
+/// What says that more than noise is left, if anything does.
+fn leftover(minimum: &Minimum, records: &Records, channels: &[ChannelResult]) -> Option<String> {
     let variance = minimum.variance();
     // Rounding errors follow one another on a quiet scope, and count so.
     let is_quiet = |record: &ChannelRecord| record.rounding.common() > QUIET * record.level.powi(2);
     let follows = |(channel, record): &(&ChannelResult, &ChannelRecord)| {
-        channel.lag_one.abs() > MAX_AUTOCORRELATION && !is_quiet(record)
+        let by_chance = NOISE_DEVIATIONS / (record.volts.len().max(1) as f64).sqrt();
+        channel.lag_one.abs() > MAX_AUTOCORRELATION.max(by_chance) && !is_quiet(record)
     };
     let following = channels.iter().zip(&records.list).filter(follows);
     let following: Vec<&str> = following.map(|(channel, _)| channel.name.as_str()).collect();
-    if variance > MAX_RESIDUAL_VARIANCE || !following.is_empty() {
-        let which = if following.is_empty() {
-            String::new()
-        } else {
-            format!(" in {}", following.join(", "))
-        };
-        notes.push(format!(
-            "more than noise is left{which} (residual variance {variance:.3}): the scene leaves something out, and uncertainties hold only as far as it does not"
-        ));
+    let quiet = records.list.iter().map(|record| record.quiet_samples).min().unwrap_or(0);
+    let by_chance = 1.0 + NOISE_DEVIATIONS * (2.0 / quiet.max(2) as f64).sqrt();
+    if variance <= MAX_RESIDUAL_VARIANCE.max(by_chance) && following.is_empty() {
+        return None;
     }
+    let which =
+        if following.is_empty() { String::new() } else { format!(" in {}", following.join(", ")) };
+    Some(format!(
+        "more than noise is left{which} (residual variance {variance:.3}): the scene leaves something out, and uncertainties do not hold"
+    ))
+}
+
+fn notes(
+    minimum: &Minimum,
+    records: &Records,
+    leftover: Option<String>,
+    starts: &[Option<f64>],
+) -> Vec<String> {
+    let mut notes = records.notes.clone();
+    notes.extend(leftover);
     let same = |chi: &&Option<f64>| {
         chi.is_some_and(|chi| chi <= minimum.chi_squared * (1.0 + MINIMUM_TOLERANCE))
     };

@@ -116,7 +116,7 @@ pub fn expanded_95(u: f64, half_width: f64) -> f64 {
 /// Share of the normal distribution below `z` (1).
 ///
 /// M. Abramowitz, I. Stegun, "Handbook of Mathematical Functions" (1964), Eq. 26.2.17, within 7.5e-8.
-fn normal_share(z: f64) -> f64 {
+pub fn normal_share(z: f64) -> f64 {
     const COEFFICIENTS: [f64; 5] =
         [0.319_381_530, -0.356_563_782, 1.781_477_937, -1.821_255_978, 1.330_274_429];
     let t = 1.0 / (1.0 + 0.231_641_9 * z.abs());

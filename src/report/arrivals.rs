@@ -1,7 +1,7 @@
 //! Arrivals and speeds as a page of text.
 
+use super::number::with_expanded;
 use super::table;
-use super::uncertainty::with_expanded;
 use crate::measurement::arrivals::{ChannelArrivals, SpeedBetween, Survey};
 use crate::quantity::{Uncertain, engineering};
 

@@ -1,5 +1,6 @@
 //! A calibration as a page of text, as a certificate, and as pictures of its impacts.
 
+use super::number::with_expanded;
 use super::table;
 use crate::measurement::calibration::CalibrationReport;
 use crate::measurement::calibration::words::ImpactReport;
@@ -7,16 +8,6 @@ use crate::quantity::engineering;
 
 /// Inputs with a smaller share of the variance than this are one line of the page together (1).
 const SHOWN_SHARE: f64 = 0.005;
-
-/// `0.4012 ± 0.0031 V/N`: a number with its expanded uncertainty to two digits (text).
-fn with(value: f64, expanded: f64, unit: &str) -> String {
-    let shown = engineering(value, unit, 6);
-    let Some((number, prefixed)) = shown.split_once(' ') else { return shown };
-    let Ok(mantissa) = number.parse::<f64>() else { return shown };
-    let scale = 10f64.powf((mantissa / value).log10().round());
-    let decimals = (1.0 - (expanded * scale).log10().floor()).clamp(0.0, 9.0) as usize;
-    format!("{:.decimals$} ± {:.decimals$} {prefixed}", value * scale, expanded * scale)
-}
 
 pub(super) fn percent(share: f64) -> String {
     format!("{:.2} %", 100.0 * share)
@@ -44,7 +35,7 @@ pub(super) fn results(report: &CalibrationReport) -> Vec<[String; 2]> {
             "sensitivity S",
             format!(
                 "{}, {} of it (k = {:.2}{})",
-                with(s, report.expanded_v_per_n, "V/N"),
+                with_expanded(s, report.expanded_v_per_n, "V/N"),
                 percent(report.expanded_relative),
                 report.coverage_factor,
                 report
@@ -54,7 +45,11 @@ pub(super) fn results(report: &CalibrationReport) -> Vec<[String; 2]> {
         ),
         row(
             "time constant tau",
-            format!("{}, {}", with(report.tau_s, report.tau_expanded_s, "s"), report.tau_source),
+            format!(
+                "{}, {}",
+                with_expanded(report.tau_s, report.tau_expanded_s, "s"),
+                report.tau_source
+            ),
         ),
         row(
             "force range",

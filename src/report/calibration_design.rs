@@ -3,8 +3,9 @@
 use super::table;
 use crate::quantity::coverage::NORMAL_95;
 use crate::quantity::engineering;
+use crate::scene::plan::lab::{Laboratory, SpeedReading};
 use crate::studies::momentum_test::coverage::Coverage;
-use crate::studies::momentum_test::design::{LabUncertainties, TestDesign};
+use crate::studies::momentum_test::design::TestDesign;
 
 /// Candidates shown.
 const SHOWN_DESIGNS: usize = 12;
@@ -12,20 +13,26 @@ const SHOWN_DESIGNS: usize = 12;
 /// The page that `calibrate --simulate` prints.
 pub fn design_page(
     sensor: &str,
-    lab: &LabUncertainties,
+    lab: &Laboratory,
     candidates: &[TestDesign],
     checked: Option<&Coverage>,
 ) -> String {
-    let gain = lab.gain_u.map_or("sensor and scope as one chain".to_owned(), |u| {
-        format!("scope gain {:.1} %", 100.0 * u)
+    let gain = lab.gain.map_or("sensor and scope as one chain".to_owned(), |gain| {
+        format!("scope gain {:.1} %", 100.0 * gain.u)
     });
+    let mass_u = lab.strikers.iter().map(|striker| striker.mass.u).fold(0.0, f64::max);
+    let speed = |how: SpeedReading| match how {
+        SpeedReading::Speed(u) => format!("{:.1} %", 100.0 * u),
+        SpeedReading::Height(u) => format!("height {}", engineering(u, "m", 2)),
+        SpeedReading::FlightTime(u) => format!("time of flight {}", engineering(u, "s", 2)),
+    };
     let mut lines = vec![
         format!("momentum tests of {sensor}, the best first: six impacts each, calibrated blind"),
         format!(
-            "  known to (standard uncertainties): mass {}, height {}, rebound {:.1} %; {gain}",
-            engineering(lab.mass_u * 1e3, "g", 2),
-            engineering(lab.height_u, "m", 2),
-            100.0 * lab.rebound_u
+            "  known to (standard uncertainties): mass {}, fall {}, rebound {}; {gain}",
+            engineering(mass_u * 1e3, "g", 2),
+            speed(lab.incoming),
+            speed(lab.rebound)
         ),
     ];
     let heading = ["striker", "mass", "heights", "V/div", "s/div", "peak force", "contact", "U95"];

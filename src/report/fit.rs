@@ -2,22 +2,12 @@
 
 use super::chart::{Under, chart, chart_over};
 use super::document::Part;
+use super::number::{decimals, plus_minus};
 use super::plot::{Curve, Label};
 use super::table;
 use crate::fit::blind::BlindFits;
 use crate::fit::{ChannelResult, Fit, FitReport, Nuisance, Parameter};
 use crate::quantity::engineering;
-
-/// `1.4601 ± 0.0023`: a number with its uncertainty to two digits.
-fn with(value: f64, u: f64, unit: &str) -> String {
-    let decimals = decimals(u);
-    format!("{value:.decimals$} ± {u:.decimals$} {unit}").trim_end().to_owned()
-}
-
-/// Decimals that show two digits of `u`.
-fn decimals(u: f64) -> usize {
-    (1.0 - u.log10().floor()).clamp(0.0, 12.0) as usize
-}
 
 fn parameter_rows(report: &FitReport) -> Vec<Vec<String>> {
     let heading = ["", "start", "found", "95 % from", "to", "U95"];
@@ -28,7 +18,7 @@ fn parameter_rows(report: &FitReport) -> Vec<Vec<String>> {
         vec![
             p.path.clone(),
             format!("{} {}", plain(p.start), p.unit).trim_end().to_owned(),
-            with(scaled(p.value), scaled(p.expanded), &p.unit),
+            plus_minus(scaled(p.value), scaled(p.expanded), &p.unit),
             plain(p.interval_95[0]),
             plain(p.interval_95[1]),
             format!("{:.3} %", 100.0 * p.expanded / p.value.abs()),
@@ -47,7 +37,7 @@ fn nuisance(found: &Nuisance) -> String {
     format!(
         "{}: {}",
         found.name,
-        with(found.found.value * scale, found.found.expanded() * scale, unit)
+        plus_minus(found.found.value * scale, found.found.expanded() * scale, unit)
     )
 }
 

@@ -1,6 +1,7 @@
 //! Results as text and pictures for people.
 
 mod arrivals;
+mod budget_picture;
 pub mod calibration;
 pub mod calibration_design;
 pub mod certificate;
@@ -15,6 +16,7 @@ mod fit;
 mod forces;
 mod hard_cases;
 pub mod magnet;
+mod number;
 #[cfg(feature = "png")]
 mod outlines;
 mod paper;
@@ -36,6 +38,7 @@ mod uncertainty;
 mod work_precision;
 
 pub use arrivals::arrivals;
+pub use budget_picture::budget_picture;
 pub use chart::chart;
 pub use comparison::{comparison, comparison_facts, comparison_parts};
 pub use contents::{contents, contents_after, contents_before, contents_of};

@@ -1,6 +1,7 @@
 //! Intervals, bands and budgets of uncertain scenes, and normalised errors, as pages of text and pictures.
 
 use super::chart::{Under, chart_over};
+use super::number::with_expanded;
 use super::plot::{Curve, Label};
 use super::table;
 use super::text::hanging_indent;
@@ -11,19 +12,6 @@ use crate::studies::uncertainty::{
 
 /// Inputs with a smaller share than this are counted together (1).
 const LISTED_SHARE: f64 = 0.01;
-
-/// A number with its expanded uncertainty to two digits, in the number's prefix: `3.19 ± 0.12 N`.
-pub(super) fn with_expanded(value: f64, expanded: f64, unit: &str) -> String {
-    let shown = engineering(value, unit, 4);
-    let Some((number, prefixed)) = shown.split_once(' ') else { return shown };
-    let Ok(mantissa) = number.parse::<f64>() else { return shown };
-    if mantissa == 0.0 || !expanded.is_finite() {
-        return shown;
-    }
-    let scale = 10f64.powf((mantissa / value).log10().round());
-    let decimals = (1.0 - (expanded * scale).log10().floor()).clamp(0.0, 6.0) as usize;
-    format!("{:.decimals$} ± {:.decimals$} {prefixed}", value * scale, expanded * scale)
-}
 
 /// The intervals that `run --bands` prints.
 pub fn prediction_intervals(found: &UncertainPrediction) -> String {
@@ -36,6 +24,14 @@ pub fn prediction_intervals(found: &UncertainPrediction) -> String {
         vec![output.name.clone(), value, shown(low, output.unit), shown(high, output.unit)]
     }));
     lines.extend(table::lines(&rows, &[0]));
+    for band in found.bands.iter().filter(|band| band.clipped_share > 0.0) {
+        let note = format!(
+            "{}: {:.0} % of the traces leave the converter's range, where recordings are clipped; the peak above is the signal's",
+            band.channel,
+            (100.0 * band.clipped_share).ceil()
+        );
+        lines.extend(hanging_indent("  note  ", &note));
+    }
     lines.join("\n")
 }
 
@@ -78,6 +74,7 @@ pub fn uncertainty_budget(found: &UncertainPrediction) -> String {
     for output in &found.outputs {
         lines.extend(budget_lines(output));
     }
+    lines.push(format!("  computed in {}", engineering(found.wall_s, "s", 2)));
     lines.join("\n")
 }
 
@@ -166,6 +163,7 @@ mod tests {
             nominal_v: wave(0.0),
             low_v: wave(-0.5),
             high_v: wave(0.5),
+            clipped_share: 0.0,
         };
         let svg = band_picture(&band, "a band");
         let area = svg.lines().find(|line| line.contains("Z\"")).expect("an area");

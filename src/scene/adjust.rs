@@ -88,7 +88,19 @@ impl Adjustable {
         // A file is named by its whole path, so that what stands on it can lie anywhere.
         let whole = std::fs::canonicalize(name).ok().filter(|_| Path::new(name).is_file());
         let base = whole.map_or_else(|| name.to_owned(), |path| path.display().to_string());
-        let adjustable = Self { loaded: library::load(name)?, base, panel: None };
+        Self::of(library::load(name)?, base)
+    }
+
+    /// A scene that came as text, as `file`.
+    ///
+    /// # Errors
+    /// As [`Scene::from_text`].
+    pub fn from_text(name: &str, file: &str, text: &str) -> Result<Self, SceneError> {
+        Self::of(library::load_text(name, file, text)?, name.to_owned())
+    }
+
+    fn of(loaded: LoadedScene, base: String) -> Result<Self, SceneError> {
+        let adjustable = Self { loaded, base, panel: None };
         let duration = adjustable.scene()?.duration;
         let panel = CachedPanel::of(&adjustable.loaded.root, duration);
         Ok(Self { panel, ..adjustable })

@@ -166,9 +166,15 @@ pub fn fold_average(mean: &mut Vec<f64>, record: &mut Waveform, number: u32, dep
     }
 }
 
-/// The conditioned `signal` (V) at the record's points around its trigger sample, before the converter rounds it (V).
-pub fn volts_at_points(setup: &Setup, signal: &[f64], trigger: usize) -> Vec<f64> {
-    points(setup, signal, trigger)
+/// The conditioned `signal` (V) at the record's points around its trigger sample, within the converter's range but not rounded (V).
+pub fn volts_at_points(
+    setup: &Setup,
+    vertical: &VerticalSetup,
+    signal: &[f64],
+    trigger: usize,
+) -> Vec<f64> {
+    let [low, high] = vertical.range();
+    points(setup, signal, trigger).into_iter().map(|volts| volts.clamp(low, high)).collect()
 }
 
 /// Volts at the record's points: samples of the signal, or a windowed sin(x)/x between them where the record is denser

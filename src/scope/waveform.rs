@@ -79,6 +79,14 @@ pub struct VerticalSetup {
     pub probe: f64,
 }
 
+impl VerticalSetup {
+    /// Lowest and highest voltage that the converter shows (V).
+    pub fn range(&self) -> [f64; 2] {
+        [LOWEST_CODE, HIGHEST_CODE]
+            .map(|code| self.scale * (f64::from(code) / LEVELS_PER_DIVISION - self.position))
+    }
+}
+
 /// Kind of a record's points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PointFormat {

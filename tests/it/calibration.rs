@@ -9,17 +9,16 @@ mod uncertainty;
 
 use std::sync::LazyLock;
 
+use hertzscope::scene::plan::lab::{self, LabStriker, Laboratory};
 use hertzscope::scope::Setup;
 use hertzscope::studies::momentum_test::BlindCalibration;
-use hertzscope::studies::momentum_test::design::{
-    Designer, LabUncertainties, TestDesign, strikers,
-};
-use hertzscope::studies::momentum_test::simulation::{DroppedStriker, ImpactTruth, setting};
+use hertzscope::studies::momentum_test::design::{Designer, TestDesign};
+use hertzscope::studies::momentum_test::simulation::{ImpactTruth, setting};
 
 /// What most tests calibrate: 1.22 g with a PTFE face from 20, 10 and 5 mm, at 1 V/div and 100 us/div.
 pub struct Bench {
     pub designer: Designer,
-    pub striker: DroppedStriker,
+    pub striker: LabStriker,
     pub truths: Vec<ImpactTruth>,
     pub setup: Setup,
     pub candidate: TestDesign,
@@ -32,7 +31,7 @@ impl Bench {
     }
 }
 
-pub fn bench_with(lab: LabUncertainties, scale: f64, seed: u64) -> Bench {
+pub fn bench_with(lab: Laboratory, scale: f64, seed: u64) -> Bench {
     let designer = Designer::new("pzt-5a-710pf", lab, seed).expect("a shipped sensor");
     let candidate = TestDesign {
         striker: "ptfe-capped-1.22g".to_owned(),
@@ -48,9 +47,12 @@ pub fn bench_with(lab: LabUncertainties, scale: f64, seed: u64) -> Bench {
     let (striker, truths, _) = designer.prepare(&candidate).expect("impacts");
     let scene = hertzscope::scene::Scene::load("momentum-test").expect("a shipped scene");
     let setup = setting(&scene, scale, candidate.seconds_per_div);
-    assert!(strikers().contains(&striker));
     Bench { designer, striker, truths, setup, candidate }
 }
 
-pub static BENCH: LazyLock<Bench> =
-    LazyLock::new(|| bench_with(LabUncertainties::default(), 2.0, 1));
+/// The laboratory that ships.
+pub fn shipped_lab() -> Laboratory {
+    lab::load(None).expect("the laboratory that ships")
+}
+
+pub static BENCH: LazyLock<Bench> = LazyLock::new(|| bench_with(shipped_lab(), 2.0, 1));

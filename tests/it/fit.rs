@@ -177,3 +177,22 @@ fn what_cannot_be_fitted_is_said() {
         assert!(error.contains(told), "{error}");
     }
 }
+
+/// A chain with losses that a scene without them is fitted to: more than noise is left, which the page, JSON and the exit code say.
+#[test]
+fn a_fit_whose_residuals_are_more_than_noise_ends_with_1() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (lossy, recording) = (path("lossy.toml"), path("lossy.mcap"));
+    let text = "base = \"gravity-0.61g\"\n[effects.dashpot]\ngamma = \"0.2 N*s/m\"\nend_of_contact = \"zero_overlap\"\n";
+    std::fs::write(&lossy, text).expect("a scene");
+    hertzscope(&["run", &lossy, "-q", "-o", &recording]).assert().success();
+    let fit =
+        ["fit", &recording, "gravity-0.61g", "--free", "striker.speed", "--starts", "1", "-q"];
+    let page = hertzscope(&fit).assert().code(1);
+    let page = String::from_utf8_lossy(&page.get_output().stdout).into_owned();
+    assert!(page.contains("more than noise is left"), "{page}");
+    let output = hertzscope(&[&fit[..], &["--json"]].concat()).assert().code(1);
+    let found: Value = serde_json::from_slice(&output.get_output().stdout).expect("JSON");
+    assert_eq!(found["only_noise_is_left"], false);
+}

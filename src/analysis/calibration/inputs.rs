@@ -41,6 +41,8 @@ pub struct Common {
     pub gravity: Uncertain,
     /// Time constant, if it is not to be read off the records (s).
     pub tau: Option<Uncertain>,
+    /// Mass above the plate over all that is set in motion: this part of the momentum stays above the plate (1).
+    pub above: Uncertain,
 }
 
 /// Kind of an input.
@@ -56,6 +58,8 @@ pub enum InputKind {
     GateDistance,
     /// A given time constant.
     TimeConstant,
+    /// The share of the momentum that stays above the plate.
+    Above,
     /// A striker's mass.
     Mass,
     /// A speed before the contact.
@@ -85,6 +89,7 @@ impl InputKind {
             Self::Gravity => "free fall",
             Self::GateDistance => "distance of the gates",
             Self::TimeConstant => "time constant",
+            Self::Above => "inertia above the plate",
             Self::Mass => "striker's mass",
             Self::Incoming => "impact speed",
             Self::Rebound => "rebound speed",
@@ -143,7 +148,7 @@ impl Common {
         let gates = self.gate_distance.map_or(f64::NAN, |gates| gates.value);
         let speed = |s: SpeedSource| s.of(s.quantity().0.value, self.gravity.value, gates);
         let sum = self.speed_scale.value * (speed(motion.incoming) + speed(motion.rebound));
-        mass * (sum + self.gravity.value * duration)
+        mass * (sum + self.gravity.value * duration) * (1.0 - self.above.value)
     }
 
     /// The shared inputs, in the places that the model looks for them.
@@ -163,6 +168,7 @@ impl Common {
             one(InputKind::Gravity, self.gravity, "m/s^2"),
             one(InputKind::GateDistance, self.gate_distance.unwrap_or(none), "m"),
             one(InputKind::TimeConstant, self.tau.unwrap_or(none), "s"),
+            one(InputKind::Above, self.above, "1"),
         ];
         inputs.extend(self.strikers.iter().map(|(name, mass)| InputQuantity {
             which: name.clone(),

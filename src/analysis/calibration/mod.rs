@@ -5,6 +5,8 @@
 //! droop undone, integrates to `S M`: `S = integral (V + (1/tau) integral V) dt / M`. [`impact`] reads one record, [`model`] is that
 //! equation with all its inputs, [`budget`] propagates their uncertainties as the GUM says, [`monte_carlo`] as its first supplement.
 //! Inputs that several impacts share, such as the scope's gain, tau or a striker's mass, are one input: they do not average out.
+//! A plate below a mass `m_a` in a host that moves as a whole, `m_t` with all that it takes along, feels the share `1 - m_a/m_t` of `M`: what is above the plate
+//! keeps the rest.
 //! Source: the balance of linear momentum; JCGM 100:2008; JCGM 101:2008. Valid where the sensor feels the whole contact force
 //! and nothing else, and the striker is rigid and falls freely but for the contact.
 

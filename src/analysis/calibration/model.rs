@@ -34,7 +34,8 @@ const SCALE: usize = 1;
 const GRAVITY: usize = 2;
 const GATES: usize = 3;
 const TAU: usize = 4;
-const MASSES: usize = 5;
+const ABOVE: usize = 5;
+const MASSES: usize = 6;
 /// Inputs of an impact's own: two speeds, baseline, noise, duration, tail.
 const INPUTS_PER_IMPACT: usize = 6;
 
@@ -236,7 +237,8 @@ impl MeasurementEquation {
         let (gravity, gates) = (at(GRAVITY), at(GATES));
         let speeds = motion.incoming.of(at(first), gravity, gates)
             + motion.rebound.of(at(first + 1), gravity, gates);
-        let momentum = at(MASSES + motion.striker) * (at(SCALE) * speeds + gravity * at(first + 4));
+        let handed = at(MASSES + motion.striker) * (at(SCALE) * speeds + gravity * at(first + 4));
+        let momentum = handed * (1.0 - at(ABOVE));
         let integral = impact.integral_off(inverse_tau, at(first + 2)) + at(first + 3);
         at(GAIN) * integral / momentum
     }

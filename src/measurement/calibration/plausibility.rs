@@ -14,6 +14,7 @@ pub fn common(plan: &CalibrationPlan) -> Common {
         gate_distance: plan.gate_distance,
         gravity: plan.gravity,
         tau: plan.tau,
+        above: plan.above,
     }
 }
 

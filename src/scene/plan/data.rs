@@ -90,6 +90,8 @@ pub struct CalibrationPlan {
     pub gravity: Uncertain,
     /// Time constant, if it is not to be read off the records (s).
     pub tau: Option<Uncertain>,
+    /// Mass above the plate over all that is set in motion (1).
+    pub above: Uncertain,
     /// Name and mass of each striker (kg).
     pub strikers: Vec<(String, Uncertain)>,
     /// The impacts.

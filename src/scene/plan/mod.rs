@@ -4,6 +4,7 @@
 
 mod data;
 mod impact;
+pub mod lab;
 
 pub use data::{CalibrationPlan, Particulars, PlannedImpact, SpeedMethod};
 
@@ -23,6 +24,8 @@ const FREE_FALL: f64 = 9.806_65;
 const LATITUDES: f64 = 0.0027;
 /// The input of a scope of this family.
 pub const INPUT: Load = Load { resistance: 1e6, capacitance: 20e-12 };
+/// What a plan states of the scope's gain.
+const GAIN_STATEMENT: &str = "gain_u = \"1 %\" of a calibrated scope, gain_limit = \"3 %\" of its data sheet, or in_chain = true where sensor and scope are calibrated as one";
 /// Draws of the Monte-Carlo part.
 const DRAWS: u64 = 200_000;
 
@@ -88,7 +91,7 @@ fn read(file: &Path, node: &Node, problems: &Problems) -> Option<CalibrationPlan
         table.finish();
         (scale, gates.flatten())
     });
-    let mut tau = None;
+    let (mut tau, mut above) = (None, Uncertain::normal(0.0, 0.0));
     if let Some(table) = root.table("sensor") {
         table.text("item").unwrap_or_default().clone_into(&mut particulars.item);
         table.text("name").unwrap_or("sensor").clone_into(&mut particulars.sensor);
@@ -96,6 +99,7 @@ fn read(file: &Path, node: &Node, problems: &Problems) -> Option<CalibrationPlan
         if table.has("tau") {
             tau = uncertain(&table, ("tau", "tau_u"), Dimension::TIME);
         }
+        above = above_plate(&table)?;
         table.finish();
     } else if !root.has("sensor") {
         root.problem("sensor", MISSING, "[sensor] with item and name: what is calibrated");
@@ -131,6 +135,7 @@ fn read(file: &Path, node: &Node, problems: &Problems) -> Option<CalibrationPlan
         gate_distance: gates,
         gravity: gravity?,
         tau,
+        above,
         strikers,
         impacts,
         seed,
@@ -169,25 +174,13 @@ struct ScopeInput {
 
 /// The gain with its uncertainty, none for a chain calibrated as one, and the input.
 fn scope(root: &TableReader<'_>) -> ScopeInput {
-    let expected = "gain_u = \"1 %\" of a calibrated scope, gain_limit = \"3 %\" of its data sheet, or in_chain = true where sensor and scope are calibrated as one";
     let Some(table) = root.table("scope") else {
         if !root.has("scope") {
-            root.problem("scope", MISSING, format!("[scope] with {expected}"));
+            root.problem("scope", MISSING, format!("[scope] with {GAIN_STATEMENT}"));
         }
         return ScopeInput { gain: None, load: INPUT, charge_amplifier: None };
     };
-    let in_chain = table.flag("in_chain").unwrap_or(false);
-    let gain_u = table.quantity("gain_u", Dimension::NONE, Bound::NotNegative);
-    let limit = table.quantity("gain_limit", Dimension::NONE, Bound::NotNegative);
-    let stated = [in_chain, table.has("gain_u"), table.has("gain_limit")];
-    if stated.iter().filter(|is_stated| **is_stated).count() != 1 {
-        let several = stated.contains(&true);
-        let found = if several { "more than one statement about the gain" } else { "no such key" };
-        table.problem("gain_u", found, expected);
-    }
-    let limited =
-        |half_width: f64| Uncertain { value: 1.0, u: half_width / 3f64.sqrt(), half_width };
-    let gain = gain_u.map(|u| Uncertain::normal(1.0, u)).or_else(|| limit.map(limited));
+    let gain = gain_of(&table);
     let resistance = table.quantity("input_resistance", Dimension::RESISTANCE, Bound::Positive);
     let capacitance =
         table.quantity("input_capacitance", Dimension::CAPACITANCE, Bound::NotNegative);
@@ -202,5 +195,38 @@ fn scope(root: &TableReader<'_>) -> ScopeInput {
         resistance: resistance.unwrap_or(INPUT.resistance),
         capacitance: capacitance.unwrap_or(INPUT.capacitance),
     };
-    ScopeInput { gain: gain.filter(|_| !in_chain), load, charge_amplifier }
+    ScopeInput { gain, load, charge_amplifier }
+}
+
+/// Mass above the plate over all that is set in motion (1); none where it is wrong.
+fn above_plate(table: &TableReader<'_>) -> Option<Uncertain> {
+    let [above, moved] = ["mass_above", "mass_moved"].map(|key| table.has(key));
+    if !above && !moved {
+        return Some(Uncertain::normal(0.0, 0.0));
+    }
+    let above = uncertain(table, ("mass_above", "mass_above_u"), Dimension::MASS)?;
+    let moved = uncertain(table, ("mass_moved", "mass_moved_u"), Dimension::MASS)?;
+    let share = above.over(moved);
+    if share.value >= 1.0 {
+        let found = "more than all that is moved".to_owned();
+        table.problem("mass_above", found, "less than mass_moved");
+        return None;
+    }
+    Some(share)
+}
+
+/// What `table` says of the scope's gain; none for a chain calibrated as one.
+fn gain_of(table: &TableReader<'_>) -> Option<Uncertain> {
+    let in_chain = table.flag("in_chain").unwrap_or(false);
+    let gain_u = table.quantity("gain_u", Dimension::NONE, Bound::NotNegative);
+    let limit = table.quantity("gain_limit", Dimension::NONE, Bound::NotNegative);
+    let stated = [in_chain, table.has("gain_u"), table.has("gain_limit")];
+    if stated.iter().filter(|is_stated| **is_stated).count() != 1 {
+        let several = stated.contains(&true);
+        let found = if several { "more than one statement about the gain" } else { "no such key" };
+        table.problem("gain_u", found, GAIN_STATEMENT);
+    }
+    let limited =
+        |half_width: f64| Uncertain { value: 1.0, u: half_width / 3f64.sqrt(), half_width };
+    gain_u.map(|u| Uncertain::normal(1.0, u)).or_else(|| limit.map(limited)).filter(|_| !in_chain)
 }

@@ -1,37 +1,24 @@
 //! Designs a momentum test: which striker, height, V/div and s/div leave the sensitivity least uncertain.
 //!
-//! Each candidate is a whole calibration of six impacts, two each from a height, half and a quarter of it, recorded by the virtual
-//! scope and calibrated blind: it is handed records and stated values, which are off the true ones as their uncertainties say.
+//! Strikers, heights and instruments are the laboratory's ([`Laboratory`]). Each candidate is a whole calibration of six impacts, two each from a height, half and a
+//! quarter of it, recorded by the virtual scope and calibrated blind: it is handed records and stated values, which are off the true ones as their uncertainties say.
 
 use super::simulation::BlindCalibration;
 use crate::quantity::Uncertain;
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rand_pcg::Pcg64;
 use serde::Serialize;
 
 use super::files::{self, Test};
-use super::simulation::{
-    DroppedStriker, ImpactTruth, TestError, bench, capture, room, setting, strike,
-};
+use super::simulation::{ImpactTruth, TestError, bench, capture, room, setting, strike};
 use crate::analysis::calibration::PlannedStrike;
 use crate::analysis::calibration::model::{Common, SpeedSource, StrikerMotion};
 use crate::measurement::calibration::record;
 use crate::scene::Scene;
+use crate::scene::plan::lab::{LabStriker, Laboratory, SpeedReading};
 use crate::scope::Setup;
 use crate::sensor::Circuit;
 
-/// Free fall of the bench (m/s^2).
-const GRAVITY: f64 = 9.81;
-/// Its standard uncertainty: known from the laboratory's latitude and height (m/s^2).
-const GRAVITY_U: f64 = 1e-4;
-/// Density of the steel spheres (kg/m^3).
-const STEEL_DENSITY: f64 = 7900.0;
-/// Diameters of the steel spheres (m).
-const SPHERES: [f64; 4] = [3e-3, 4e-3, 6e-3, 10e-3];
-/// Masses of strikers whose face is a PTFE sphere of the paper's size, and its diameter (kg, m).
-const CAPPED_STRIKERS: ([f64; 4], f64) = ([0.1226e-3, 0.61e-3, 1.22e-3, 2.75e-3], 4.76e-3);
-/// Heights (m).
-const HEIGHTS: [f64; 4] = [5e-3, 10e-3, 20e-3, 40e-3];
 /// Shares of the height from which strikers drop, two impacts each.
 const HEIGHT_SHARES: [f64; 3] = [1.0, 0.5, 0.25];
 /// Impacts from each height.
@@ -42,26 +29,6 @@ const SCREEN_FILL_SHARE: f64 = 0.9;
 const MIN_CONTACT_SAMPLES: f64 = 100.0;
 /// Stream of what a lab's readings are off.
 const READING_STREAM: u128 = 1 << 70;
-
-/// Standard uncertainties of a lab's readings.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct LabUncertainties {
-    /// Of a mass (kg).
-    pub mass_u: f64,
-    /// Of a drop height (m).
-    pub height_u: f64,
-    /// Of a rebound speed, relative (1).
-    pub rebound_u: f64,
-    /// Of the scope's gain, relative; none where sensor and scope are calibrated as one (1).
-    pub gain_u: Option<f64>,
-}
-
-impl Default for LabUncertainties {
-    /// A balance good to half a milligram, a height gauge to 0.05 mm, a light gate to 1 %; sensor and scope as one chain.
-    fn default() -> Self {
-        Self { mass_u: 0.5e-6, height_u: 0.05e-3, rebound_u: 0.01, gain_u: None }
-    }
-}
 
 /// One way to do it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -87,37 +54,25 @@ pub struct TestDesign {
     pub failed: Option<String>,
 }
 
-/// The bench with a sensor, and what the lab can do.
+/// The bench with a sensor, and what the laboratory has.
 pub struct Designer {
     bench: Scene,
-    lab: LabUncertainties,
+    lab: Laboratory,
     seed: u64,
 }
 
-/// The strikers that are tried.
-pub fn strikers() -> Vec<DroppedStriker> {
-    let sphere = |diameter: &f64| DroppedStriker {
-        name: format!("steel-{:.0}mm", 1e3 * diameter),
-        material: "stainless_steel".to_owned(),
-        diameter: *diameter,
-        mass: STEEL_DENSITY * std::f64::consts::PI / 6.0 * diameter.powi(3),
-    };
-    let capped = |mass: &f64| DroppedStriker {
-        name: format!("ptfe-capped-{:.2}g", 1e3 * mass),
-        material: "ptfe".to_owned(),
-        diameter: CAPPED_STRIKERS.1,
-        mass: *mass,
-    };
-    SPHERES.iter().map(sphere).chain(CAPPED_STRIKERS.0.iter().map(capped)).collect()
-}
-
 impl Designer {
-    /// Puts `sensor`, a name or a file, on the bench.
+    /// Puts `sensor`, a name or a file, on the bench, and the laboratory's scope beside it.
     ///
     /// # Errors
     /// [`TestError`]: no such sensor, or problems in its file.
-    pub fn new(sensor: &str, lab: LabUncertainties, seed: u64) -> Result<Self, TestError> {
-        Ok(Self { bench: bench(sensor)?, lab, seed })
+    pub fn new(sensor: &str, lab: Laboratory, seed: u64) -> Result<Self, TestError> {
+        Ok(Self { bench: bench(sensor, &lab.scope)?, lab, seed })
+    }
+
+    /// What the laboratory has.
+    pub fn lab(&self) -> &Laboratory {
+        &self.lab
     }
 
     /// The circuit of the sensor's data (V/N, s).
@@ -125,23 +80,17 @@ impl Designer {
         self.bench.circuit(0, self.bench.scope.channels.first()?.as_ref()?)
     }
 
-    /// Attempts all strikers whose name contains `striker`, heights, scales and time bases; the best first.
+    /// Attempts all strikers, heights, scales and time bases; the best first.
     ///
     /// # Errors
     /// [`TestError`] for impacts that cannot be simulated.
-    pub fn search(
-        &self,
-        striker: &str,
-        progress: &mut dyn FnMut(f64),
-    ) -> Result<Vec<TestDesign>, TestError> {
-        let strikers: Vec<DroppedStriker> =
-            strikers().into_iter().filter(|s| s.name.contains(striker)).collect();
+    pub fn search(&self, progress: &mut dyn FnMut(f64)) -> Result<Vec<TestDesign>, TestError> {
         let mut found = Vec::new();
-        let all = (strikers.len() * HEIGHTS.len()) as f64;
+        let all = (self.lab.strikers.len() * self.lab.heights.len()) as f64;
         let mut done = 0.0;
-        for striker in &strikers {
-            for height in HEIGHTS {
-                found.extend(self.try_height(striker, height)?);
+        for striker in &self.lab.strikers {
+            for height in &self.lab.heights {
+                found.extend(self.try_height(striker, *height)?);
                 done += 1.0;
                 progress(done / all);
             }
@@ -154,11 +103,7 @@ impl Designer {
     }
 
     /// All settings of the scope that show impacts from `height` (m) well.
-    fn try_height(
-        &self,
-        striker: &DroppedStriker,
-        height: f64,
-    ) -> Result<Vec<TestDesign>, TestError> {
+    fn try_height(&self, striker: &LabStriker, height: f64) -> Result<Vec<TestDesign>, TestError> {
         let Some(circuit) = self.circuit() else { return Ok(Vec::new()) };
         let truths = self.impacts(striker, height)?;
         let Some(highest) = truths.first() else { return Ok(Vec::new()) };
@@ -181,7 +126,7 @@ impl Designer {
             let result = self.blind(striker, &truths, circuit, (&setup, 0)).calibrate();
             candidates.push(TestDesign {
                 striker: striker.name.clone(),
-                mass_kg: striker.mass,
+                mass_kg: striker.mass.value,
                 height_m: height,
                 volts_per_div: scale,
                 seconds_per_div: *time_base,
@@ -200,52 +145,66 @@ impl Designer {
     /// [`TestError`] for impacts that cannot be simulated.
     pub fn impacts(
         &self,
-        striker: &DroppedStriker,
+        striker: &LabStriker,
         height: f64,
     ) -> Result<Vec<ImpactTruth>, TestError> {
+        let gravity = self.lab.gravity.value;
         HEIGHT_SHARES
             .iter()
-            .map(|share| strike(striker, (2.0 * GRAVITY * share * height).sqrt()))
+            .map(|share| strike(striker, (2.0 * gravity * share * height).sqrt(), gravity))
             .collect()
     }
 
-    /// Records `truths` through `circuit`, and reads the lab's instruments: everything drawn from the seed and `repeat`.
+    /// Records `truths` through `circuit`, and reads the laboratory's instruments: everything drawn from the seed and `repeat`.
     pub fn blind(
         &self,
-        striker: &DroppedStriker,
+        striker: &LabStriker,
         truths: &[ImpactTruth],
         circuit: Circuit,
         (setup, repeat): (&Setup, u32),
     ) -> BlindCalibration {
         let mut readings = Pcg64::new(u128::from(self.seed), READING_STREAM + u128::from(repeat));
+        let stated = self.lab.gain.unwrap_or(Uncertain::normal(1.0, 0.0));
+        // The scope's gain is off by what its own specification leaves open.
+        let gain: f64 = if stated.half_width > 0.0 {
+            let share: f64 = StandardUniform.sample(&mut readings);
+            1.0 + stated.half_width * (2.0 * share - 1.0)
+        } else {
+            let deviate: f64 = StandardNormal.sample(&mut readings);
+            1.0 + stated.u * deviate
+        };
         let mut read = |truth: f64, u: f64| {
             let deviate: f64 = StandardNormal.sample(&mut readings);
             Uncertain::normal(truth + u * deviate, u)
         };
-        let gain_u = self.lab.gain_u.unwrap_or(0.0);
-        // The scope's gain is off by what its own specification leaves open.
-        let gain = read(1.0, gain_u).value;
         let common = Common {
-            strikers: vec![(striker.name.clone(), read(striker.mass, self.lab.mass_u))],
-            gain: Uncertain::normal(1.0, gain_u),
+            strikers: vec![(striker.name.clone(), read(striker.mass.value, striker.mass.u))],
+            gain: stated,
             speed_scale: Uncertain::normal(1.0, 0.0),
             gate_distance: None,
-            gravity: Uncertain::normal(GRAVITY, GRAVITY_U),
+            gravity: self.lab.gravity,
             tau: None,
+            above: Uncertain::normal(0.0, 0.0),
         };
         let shown = Circuit { sensitivity: circuit.sensitivity / gain, ..circuit };
         let mut blind =
             BlindCalibration { strikes: Vec::new(), common, captures: Vec::new(), circuit };
+        let gravity = self.lab.gravity.value;
         let each = truths.iter().flat_map(|truth| (0..REPEATS).map(move |_| truth));
         for (number, truth) in (1..).zip(each) {
-            let height = truth.incoming * truth.incoming / (2.0 * GRAVITY);
+            let mut measure = |speed: f64, how: SpeedReading| match how {
+                SpeedReading::Speed(u) => SpeedSource::Speed(read(speed, u * speed)),
+                SpeedReading::Height(u) => {
+                    SpeedSource::Height(read(0.5 * speed * speed / gravity, u))
+                }
+                SpeedReading::FlightTime(u) => {
+                    SpeedSource::FlightTime(read(2.0 * speed / gravity, u))
+                }
+            };
             let motion = StrikerMotion {
                 striker: 0,
-                incoming: SpeedSource::Height(read(height, self.lab.height_u)),
-                rebound: SpeedSource::Speed(read(
-                    truth.rebound,
-                    self.lab.rebound_u * truth.rebound,
-                )),
+                incoming: measure(truth.incoming, self.lab.incoming),
+                rebound: measure(truth.rebound, self.lab.rebound),
             };
             let shot = repeat.wrapping_mul(100) + number;
             let Some(capture) = capture(truth, shown, setup, (self.seed, shot)) else { continue };
@@ -263,9 +222,11 @@ impl Designer {
     pub fn prepare(
         &self,
         candidate: &TestDesign,
-    ) -> Result<(DroppedStriker, Vec<ImpactTruth>, Setup), TestError> {
-        let striker = strikers().into_iter().find(|s| s.name == candidate.striker);
-        let striker = striker.unwrap_or_else(|| strikers().swap_remove(0));
+    ) -> Result<(LabStriker, Vec<ImpactTruth>, Setup), TestError> {
+        let strikers = &self.lab.strikers;
+        let striker = strikers.iter().find(|s| s.name == candidate.striker).or(strikers.first());
+        let unknown = || TestError::Striker { striker: candidate.striker.clone() };
+        let striker = striker.ok_or_else(unknown)?.clone();
         let truths = self.impacts(&striker, candidate.height_m)?;
         let setup = setting(&self.bench, candidate.volts_per_div, candidate.seconds_per_div);
         Ok((striker, truths, setup))
@@ -282,6 +243,6 @@ impl Designer {
         };
         let blind = self.blind(&striker, &truths, circuit, (&setup, 0));
         let sensor = self.bench.sensors.first().map_or("sensor", |placed| &placed.sensor.model);
-        Ok(files::write(&blind, sensor, self.lab.gain_u, &setup))
+        Ok(files::write(&blind, sensor, self.lab.gain, &setup))
     }
 }

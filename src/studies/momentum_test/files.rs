@@ -19,8 +19,17 @@ pub struct Test {
 }
 
 /// Puts a blind calibration of `sensor` into files.
-pub fn write(blind: &BlindCalibration, sensor: &str, gain_u: Option<f64>, setup: &Setup) -> Test {
-    let scope = gain_u.map_or("in_chain = true".to_owned(), |u| format!("gain_u = {u}"));
+pub fn write(
+    blind: &BlindCalibration,
+    sensor: &str,
+    gain: Option<Uncertain>,
+    setup: &Setup,
+) -> Test {
+    let scope = match gain {
+        None => "in_chain = true".to_owned(),
+        Some(gain) if gain.half_width > 0.0 => format!("gain_limit = {}", gain.half_width),
+        Some(gain) => format!("gain_u = {}", gain.u),
+    };
     let load = setup.channels.iter().flatten().next().map(|c| input_load(&setup.model, c));
     let load = load.map_or(String::new(), |load| {
         let (resistance, capacitance) = (load.resistance, load.capacitance);

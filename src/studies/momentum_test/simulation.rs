@@ -14,6 +14,7 @@ use crate::analysis::calibration::{
 use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, RunError, run};
 use crate::recording::{Capture, InstrumentIdentity, TrueSignal};
+use crate::scene::plan::lab::LabStriker;
 use crate::scene::{Scene, SceneError};
 use crate::scope::acquire::{before_trigger, digitise, find_trigger};
 use crate::scope::front_end::{condition, noise_stream};
@@ -26,6 +27,8 @@ use crate::trace::Trace;
 const SCENE: &str = "momentum-test";
 /// Time base at which the force is kept: 10 ns between samples, a thousandth of the shortest contacts.
 const FORCE_TIME_BASE: &str = "2.5 us/div";
+/// Mass of the anvil, which floats (kg).
+const ANVIL_MASS: f64 = 10.0;
 /// Samples before the record's earliest, for interpolation (1).
 const SPARE_SAMPLES: f64 = 20.0;
 /// Divisions from the centre to zero volts, downward: a positive pulse has the screen (div).
@@ -34,19 +37,6 @@ const ZERO_POSITION: f64 = -3.0;
 const TRIGGER_LEVEL: f64 = 0.5;
 /// Share of the record before the trigger (1).
 const PRE_TRIGGER: f64 = 0.25;
-
-/// The dropped striker.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DroppedStriker {
-    /// Its name.
-    pub name: String,
-    /// Material of what touches.
-    pub material: String,
-    /// Diameter of the sphere that touches (m).
-    pub diameter: f64,
-    /// Mass (kg).
-    pub mass: f64,
-}
 
 /// Ground truth of one impact.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,6 +60,12 @@ pub enum TestError {
     /// The impact cannot be simulated.
     #[error(transparent)]
     Run(#[from] RunError),
+    /// A design names a striker that the laboratory lacks.
+    #[error("found no striker `{striker}` in the laboratory, expected one of its own")]
+    Striker {
+        /// The striker.
+        striker: String,
+    },
     /// The striker does not come back.
     #[error("found {striker} on the sensor still after {time:e} s, expected a contact that ends")]
     NoRebound {
@@ -80,33 +76,38 @@ pub enum TestError {
     },
 }
 
-/// The bench with `sensor`, a name or a file, on it.
+/// The bench with `sensor`, a name or a file, on it, and an oscilloscope, likewise.
 ///
 /// # Errors
 /// [`SceneError`]: no such sensor, or every problem found in it.
-pub fn bench(sensor: &str) -> Result<Scene, SceneError> {
-    let text = format!("base = \"{SCENE}\"\n[sensors.item]\nmodel = {sensor:?}\n");
+pub fn bench(sensor: &str, scope: &str) -> Result<Scene, SceneError> {
+    let text = format!(
+        "base = \"{SCENE}\"\n[sensors.item]\nmodel = {sensor:?}\n[scope]\nmodel = {scope:?}\n"
+    );
     Scene::from_text(SCENE, "momentum test", &text)
 }
 
-/// Drops `striker` with `speed` (m/s) at the first contact.
+/// Drops `striker` with `speed` (m/s) at the first contact, under `gravity` (m/s^2).
 ///
 /// # Errors
 /// [`TestError`]: the bench cannot be built or run, or the striker stays.
-pub fn strike(striker: &DroppedStriker, speed: f64) -> Result<ImpactTruth, TestError> {
+pub fn strike(striker: &LabStriker, speed: f64, gravity: f64) -> Result<ImpactTruth, TestError> {
     // Hertz's contact lasts 2.94 overlaps over the speed; a hundredth of a second is more than any of these takes.
     let mut duration = 200e-6;
     loop {
         let text = format!(
             "base = \"{SCENE}\"\nduration = \"{duration} s\"\n[striker]\nmaterial = {:?}\ndiameter = \"{} m\"\n\
-             mass = \"{} kg\"\nspeed = \"{speed} m/s\"\n[scope]\ntime_base = \"{FORCE_TIME_BASE}\"\nposition = \"0 s\"\n",
-            striker.material, striker.diameter, striker.mass
+             mass = \"{} kg\"\nspeed = \"{speed} m/s\"\n[scope]\ntime_base = \"{FORCE_TIME_BASE}\"\nposition = \"0 s\"\n\
+             [effects.gravity]\nacceleration = \"{gravity} m/s^2\"\n[chain]\nbottom = {{ force = \"{} N\" }}\n",
+            striker.material,
+            striker.diameter,
+            striker.mass.value,
+            ANVIL_MASS * gravity
         );
         let scene = Scene::from_text(SCENE, "momentum test", &text)?;
         let outcome = run(&scene, Integration::Accuracy(of_scene(&scene)?.value), 1, &mut |_| ())?;
         let force = outcome.shot.true_signal(&TrueSignal::Force("item".to_owned()));
         let path = outcome.shot.true_signal(&TrueSignal::Displacement(0));
-        let gravity = scene.spec.effects.gravity.map_or(0.0, |gravity| gravity.acceleration);
         if let (Some(force), Some(path)) = (force, path)
             && let Some(truth) = freed(force, path, gravity, speed)
         {

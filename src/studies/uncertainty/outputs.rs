@@ -2,11 +2,13 @@
 
 use serde::Serialize;
 
-use super::regression::{InputShare, shares};
+use super::regression::{InputShare, Regression, regression};
 use crate::experiment::outcome::{Reading, Speed};
 use crate::experiment::prediction::Prediction;
 use crate::numeric::statistics::quantile;
 use crate::quantity::Uncertain;
+use crate::scene::Scene;
+use crate::trace::Trace;
 
 /// An output with its interval.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -45,13 +47,18 @@ pub struct TraceBand {
     pub low_v: Vec<f64>,
     /// Upper edge (V).
     pub high_v: Vec<f64>,
+    /// Share of the traces that leave the converter's range somewhere; recordings are clipped there, as the band is (1).
+    pub clipped_share: f64,
 }
 
-/// All outputs that the nominal run has, in the samples that have them.
+/// An output of which the regression explains this share is told by it at many more scores than were run (1).
+const LINEAR_SHARE: f64 = 0.95;
+
+/// All outputs that the nominal run has, in the samples that have them; `many` scores are those that no run is made for.
 pub(super) fn intervals(
     nominal: &Prediction,
     samples: &[(&[f64], &Prediction)],
-    names: &[String],
+    (names, many): (&[String], &[Vec<f64>]),
 ) -> Vec<OutputInterval> {
     let all = listed(nominal);
     let found: Vec<Vec<(String, &str, f64)>> =
@@ -63,10 +70,16 @@ pub(super) fn intervals(
         let pairs = samples.iter().zip(&found);
         let pairs: Vec<(&[f64], f64)> =
             pairs.filter_map(|((scores, _), outputs)| Some((*scores, of(outputs)?))).collect();
-        let (u, explained, inputs) = shares(&pairs, names)?;
-        let mut values: Vec<f64> = pairs.iter().map(|(_, value)| *value).collect();
-        values.sort_by(f64::total_cmp);
+        let found = regression(&pairs, names)?;
+        let mut values = if found.explained >= LINEAR_SHARE {
+            many_values(&found, &pairs, many)
+        } else {
+            pairs.iter().map(|(_, value)| *value).collect()
+        };
+        values.sort_unstable_by(f64::total_cmp);
         let interval_95 = [quantile(&values, 0.025), quantile(&values, 0.975)];
+        let u = standard_deviation(&values);
+        let Regression { explained, shares: inputs, .. } = found;
         Some(OutputInterval {
             name: name.clone(),
             unit,
@@ -79,6 +92,42 @@ pub(super) fn intervals(
         })
     };
     all.iter().filter_map(interval).collect()
+}
+
+/// Values of an output for `many` scores: regression, its curvature along itself, and what both leave of the samples (unit).
+fn many_values(found: &Regression, samples: &[(&[f64], f64)], many: &[Vec<f64>]) -> Vec<f64> {
+    let count = samples.len() as f64;
+    let mean = |of: &dyn Fn(f64, f64) -> f64| {
+        samples.iter().map(|(scores, value)| of(found.linear(scores), *value)).sum::<f64>() / count
+    };
+    let (level, square) = (mean(&|l, y| y - l), mean(&|l, _| l * l));
+    let bend =
+        mean(&|l, y| (y - level - l) * (l * l - square)) / mean(&|l, _| (l * l - square).powi(2));
+    let surface = |l: f64| level + l + bend * (l * l - square);
+    let left: Vec<f64> =
+        samples.iter().map(|(scores, value)| value - surface(found.linear(scores))).collect();
+    let scores = many.iter().zip(left.iter().cycle());
+    scores.map(|(scores, left)| surface(found.linear(scores)) + left).collect()
+}
+
+fn standard_deviation(values: &[f64]) -> f64 {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt()
+}
+
+impl TraceBand {
+    /// Lower and upper edge as traces, named as the channel.
+    pub fn edges(self) -> [Trace; 2] {
+        let trace = |values| Trace {
+            name: self.channel.clone(),
+            unit: "V".to_owned(),
+            start: self.start_s,
+            interval: self.interval_s,
+            values,
+        };
+        [trace(self.low_v), trace(self.high_v)]
+    }
 }
 
 impl OutputInterval {
@@ -118,10 +167,19 @@ fn listed(prediction: &Prediction) -> Vec<(String, &'static str, f64)> {
 }
 
 /// Bands of all channels that triggered in the nominal run.
-pub(super) fn bands(nominal: &Prediction, samples: &[(&[f64], &Prediction)]) -> Vec<TraceBand> {
-    let band = |(place, trace): (usize, &crate::trace::Trace)| {
+pub(super) fn bands(
+    scene: &Scene,
+    nominal: &Prediction,
+    samples: &[(&[f64], &Prediction)],
+) -> Vec<TraceBand> {
+    let channels = || {
+        (1..)
+            .zip(&scene.scope.channels)
+            .filter_map(|(number, channel)| Some((number, channel.as_ref()?)))
+    };
+    let band = |(place, trace): (usize, &Trace)| {
         let others = samples.iter().filter_map(|(_, prediction)| prediction.traces.get(place));
-        let others: Vec<&crate::trace::Trace> = others.collect();
+        let others: Vec<&Trace> = others.collect();
         let edges = |index: usize| {
             let values = others.iter().filter_map(|trace| trace.values.get(index).copied());
             let mut values: Vec<f64> = values.collect();
@@ -129,7 +187,13 @@ pub(super) fn bands(nominal: &Prediction, samples: &[(&[f64], &Prediction)]) -> 
             (quantile(&values, 0.025), quantile(&values, 0.975))
         };
         let (low_v, high_v) = (0..trace.values.len()).map(edges).unzip();
+        let own = channels().find(|(number, _): &(u8, _)| trace.name == format!("CH{number}"));
+        let [low, high] =
+            own.map_or([f64::NEG_INFINITY, f64::INFINITY], |(_, c)| c.vertical.range());
+        let is_clipped = |trace: &&&Trace| trace.values.iter().any(|v| *v <= low || *v >= high);
+        let clipped = others.iter().filter(is_clipped).count();
         TraceBand {
+            clipped_share: clipped as f64 / others.len() as f64,
             channel: trace.name.clone(),
             start_s: trace.start,
             interval_s: trace.interval,

@@ -15,12 +15,25 @@ pub struct InputShare {
     pub share: f64,
 }
 
-/// Standard deviation of the outputs, the share that the regression explains, and each input's, the largest first; none for fewer samples than
-/// inputs, or an output that never changes (unit).
-pub(super) fn shares(
-    samples: &[(&[f64], f64)],
-    names: &[String],
-) -> Option<(f64, f64, Vec<InputShare>)> {
+/// A linear regression of an output on the inputs' standard scores.
+pub(super) struct Regression {
+    /// The share of its variance that the regression explains (1).
+    pub explained: f64,
+    /// Change with each input's score (unit).
+    pub slopes: Vec<f64>,
+    /// Each input's share, the largest first.
+    pub shares: Vec<InputShare>,
+}
+
+impl Regression {
+    /// What the inputs' `scores` make of the output, less its mean (unit).
+    pub(super) fn linear(&self, scores: &[f64]) -> f64 {
+        self.slopes.iter().zip(scores).map(|(slope, score)| slope * score).sum()
+    }
+}
+
+/// The regression; none for fewer samples than inputs, or an output that never changes.
+pub(super) fn regression(samples: &[(&[f64], f64)], names: &[String]) -> Option<Regression> {
     let count = samples.len() as f64;
     if samples.len() < names.len() + 2 {
         return None;
@@ -57,5 +70,5 @@ pub(super) fn shares(
     };
     let mut parts: Vec<InputShare> = names.iter().enumerate().map(part).collect();
     parts.sort_by(|a, b| b.share.total_cmp(&a.share));
-    Some((variance.sqrt(), explained.clamp(0.0, 1.0), parts))
+    Some(Regression { explained: explained.clamp(0.0, 1.0), slopes, shares: parts })
 }

@@ -241,9 +241,13 @@ const PAGES: &[Binding] = &[
 
 const BENCH: &[Binding] = &[
     binding(
-        (BindingScope::Scope, "B i"),
-        &[(letter('B'), Action::Side(SidePanel::Knobs)), (letter('i'), Action::Impact)],
-        "show the knobs; strike the chain",
+        (BindingScope::Scope, "B i U"),
+        &[
+            (letter('B'), Action::Side(SidePanel::Knobs)),
+            (letter('i'), Action::Impact),
+            (letter('U'), Action::Bands),
+        ],
+        "show the knobs; strike the chain; U: 95 % bands",
     ),
     binding(
         (BindingScope::Scope, "n N  - +  o E"),

@@ -85,6 +85,8 @@ pub enum Action {
     Reference,
     /// Shows or hides the simulated forces at the sensors.
     Truth,
+    /// Shows or hides where 95 % of the bench's traces lie.
+    Bands,
     /// Volts or newtons.
     Unit,
     /// Earlier shots stay on screen, or not.

@@ -1,11 +1,13 @@
 //! Background jobs: the comparison, the work-precision study, the ledger of effects. Requests start here; worker threads answer them.
 
 use super::ScreenState;
-use super::state::{JobState, Overlay, Page, Request};
+use super::state::{JobState, Overlay, Page, Request, StrikeRequest, ordinate_unit};
 use crate::measurement::compare::Compared;
+use crate::scope::Waveform;
 use crate::studies::cost::CostStudy;
 use crate::studies::effects::Ledger;
 use crate::studies::uncertainty::TraceBand;
+use crate::trace::Trace;
 use crate::tui::axis::TurnDirection;
 
 /// The answer to a question, or how far it is.
@@ -19,6 +21,8 @@ pub enum JobAnswer {
     Study(JobState<Box<CostStudy>>),
     /// To [`Request::Ledger`].
     Ledger(JobState<Box<Ledger>>),
+    /// To [`Request::LiveBands`].
+    LiveBands(JobState<Vec<[Trace; 2]>>),
 }
 
 impl ScreenState {
@@ -29,7 +33,49 @@ impl ScreenState {
             JobAnswer::Bands(bands) => self.questions.bands = bands,
             JobAnswer::Study(job) => self.questions.study = job,
             JobAnswer::Ledger(job) => self.questions.ledger = job,
+            // They may have been switched off meanwhile.
+            JobAnswer::LiveBands(job) if self.questions.live_bands != JobState::Idle => {
+                if let JobState::Failed(problem) = &job {
+                    self.notice = Some(format!("no bands: {problem}"));
+                }
+                self.questions.live_bands = job;
+            }
+            JobAnswer::LiveBands(_) => {}
         }
+    }
+
+    /// Shows or hides where 95 % of the bench's traces lie; they follow the knobs.
+    pub(super) fn switch_bands(&mut self) {
+        if self.questions.live_bands != JobState::Idle {
+            self.questions.live_bands = JobState::Idle;
+            self.notice = Some("bands off".to_owned());
+            return;
+        }
+        if self.bench().is_none_or(|live| live.served.is_some()) {
+            return;
+        }
+        self.questions.live_bands = JobState::Busy(0.0);
+        self.notice = Some("dotted: 95 % of the traces, by the scene's [uncertainty]".to_owned());
+        self.request_bands();
+    }
+
+    /// Has the bands of the bench computed as it is tuned now, where they are on.
+    pub(super) fn request_bands(&mut self) {
+        let Some(live) = self.live.as_ref().filter(|_| self.questions.live_bands != JobState::Idle)
+        else {
+            return;
+        };
+        let name = self.title.clone();
+        let bench = StrikeRequest { name, text: live.text(), shot: live.shot, turn: live.asked };
+        self.requests.retain(|request| !matches!(request, Request::LiveBands(_)));
+        self.requests.push(Request::LiveBands(bench));
+    }
+
+    /// Lower and upper edge of where 95 % of the traces of `waveform` lie, in volts.
+    pub fn bands(&self, waveform: &Waveform) -> Option<&[Trace; 2]> {
+        let name = waveform.source.to_string();
+        let bands = self.questions.live_bands.done()?.iter();
+        bands.into_iter().find(|[low, _]| low.name == name && ordinate_unit(waveform) == low.unit)
     }
 
     /// Holds what is on screen against `other`: a recording, a folder, or a scene.

@@ -41,6 +41,7 @@ impl ScreenState {
         let strike = StrikeRequest { name, text: live.text(), shot: live.shot, turn: live.asked };
         self.requests.retain(|request| !matches!(request, Request::Strike(_)));
         self.requests.push(Request::Strike(strike));
+        self.request_bands();
     }
 
     /// A knob was turned: the bench is struck again where the scope runs.

@@ -13,6 +13,7 @@ use crate::scope::{Source, Waveform};
 use crate::studies::cost::CostStudy;
 use crate::studies::effects::Ledger;
 use crate::studies::uncertainty::TraceBand;
+use crate::trace::Trace;
 
 /// A popup over the scope's screen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -184,6 +185,8 @@ pub enum Request {
     Load(usize),
     /// Strike the bench of this text.
     Strike(StrikeRequest),
+    /// Compute the 95 % bands of its traces.
+    LiveBands(StrikeRequest),
     /// Hold the shot on screen against this recording, folder or scene; none repeats the last one.
     Compare(Option<String>),
     /// Note what is said of the bench.
@@ -245,6 +248,8 @@ pub struct BackgroundJobs {
     pub study: JobState<Box<CostStudy>>,
     /// Cost and change of each effect.
     pub ledger: JobState<Box<Ledger>>,
+    /// Lower and upper edge of where 95 % of each channel's traces lie, by what the scene does not know.
+    pub live_bands: JobState<Vec<[Trace; 2]>>,
     /// Place of the selected effect in the ledger.
     pub effect: usize,
 }
@@ -256,6 +261,7 @@ impl Default for BackgroundJobs {
             bands: Vec::new(),
             study: JobState::Idle,
             ledger: JobState::Idle,
+            live_bands: JobState::Idle,
             effect: 0,
         }
     }

@@ -22,11 +22,7 @@ pub fn update(model: &mut ScreenState, action: Action) {
         Action::Channel(number) => press(model, Source::Channel(number)),
         Action::Trace(source) => press(model, source),
         Action::NextTrace(turn) => next_trace(model, turn),
-        Action::OnOff => {
-            if let Some(source) = model.selected {
-                press(model, source);
-            }
-        }
+        Action::OnOff => model.selected.into_iter().for_each(|source| press(model, source)),
         Action::VoltsPerDivision(turn) => model.turn_volts(turn),
         Action::Position(turn) => model.turn_position(turn),
         Action::TimePerDivision { turn, anchor } => model.turn_time(turn, anchor),
@@ -36,6 +32,7 @@ pub fn update(model: &mut ScreenState, action: Action) {
         Action::Math => next_math(model),
         Action::Reference => model.keep_reference(),
         Action::Truth => truth(model),
+        Action::Bands => model.switch_bands(),
         Action::Unit => unit(model),
         Action::Cursors => model.next_cursors(),
         Action::OtherCursor => model.cursors.active = 1 - model.cursors.active,

@@ -10,6 +10,7 @@ use super::layout::ScreenLayout;
 use super::trace::{LineStyle, Projection, TraceLine, spans, spans_of_trace};
 use super::{colour, colour_of};
 use crate::scope::Waveform;
+use crate::trace::Trace;
 use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, Vertical, ViewWindow};
 use crate::tui::model::{Palette, ScreenState, Visibility};
 
@@ -87,15 +88,17 @@ fn behind(model: &ScreenState, layout: &ScreenLayout, window: ViewWindow) -> Vec
         });
     }
     for waveform in shown(model) {
-        if let Some(truth) = model.truth(waveform) {
-            let projection = projection(layout, window, model.vertical(waveform));
-            lines.push(TraceLine {
-                spans: spans_of_trace(&truth, &projection),
-                rows: projection.rows,
-                colour: colour(model.palette(), Color::White),
-                stroke: LineStyle::Dotted,
-            });
-        }
+        let projection = projection(layout, window, model.vertical(waveform));
+        let dotted = |trace: &Trace, colour: Color| TraceLine {
+            spans: spans_of_trace(trace, &projection),
+            rows: projection.rows,
+            colour,
+            stroke: LineStyle::Dotted,
+        };
+        let edges = model.bands(waveform).into_iter().flatten();
+        lines.extend(edges.map(|edge| dotted(edge, grey)));
+        let white = colour(model.palette(), Color::White);
+        lines.extend(model.truth(waveform).map(|truth| dotted(&truth, white)));
     }
     lines
 }

@@ -1,4 +1,4 @@
-//! The threads behind the screen: one reads the recording or watches a served scope, one strikes the bench, two answer long questions.
+//! The threads behind the screen: one reads the recording or watches a served scope, one strikes the bench, one computes its bands, two answer long questions.
 //! All they say goes through one channel to the screen's loop, and so do the terminal's events.
 
 mod analysis_worker;
@@ -56,6 +56,7 @@ pub struct Workers {
     bench: Sender<StrikeRequest>,
     comparison: Sender<ComparisonRequest>,
     research: Sender<StudyRequest>,
+    bands: Sender<StrikeRequest>,
     note_option: Option<NoteOption>,
 }
 
@@ -74,6 +75,7 @@ impl Workers {
             bench: worker(&news, simulation_worker::strike),
             comparison: worker(&news, analysis_worker::comparer()),
             research: worker(&news, analysis_worker::research),
+            bands: worker(&news, simulation_worker::bands),
             note_option: None,
             news,
         };
@@ -132,6 +134,7 @@ impl Workers {
                     .as_ref()
                     .is_none_or(|recording_worker| recording_worker.send(place).is_ok()),
                 Request::Strike(strike) => self.bench.send(strike).is_ok(),
+                Request::LiveBands(bench) => self.bands.send(bench).is_ok(),
                 Request::Send(command) => {
                     self.served.as_ref().is_none_or(|(scope, _)| scope.send(command).is_ok())
                 }

@@ -1,9 +1,10 @@
 //! A thousand calibrations that do not know the truth. The same at will: `hertzscope calibrate --simulate SENSOR --repeat 1000`.
 
+use hertzscope::quantity::Uncertain;
+use hertzscope::scene::plan::lab::Laboratory;
 use hertzscope::studies::momentum_test::coverage::coverage;
-use hertzscope::studies::momentum_test::design::LabUncertainties;
 
-use super::{BENCH, bench_with};
+use super::{BENCH, bench_with, shipped_lab};
 
 /// Six impacts through droop and eight bits, sensor and scope as one chain; other sensor, phase, readings and noise each time. The
 /// coverage of a true 95 % interval scatters by 0.7 % among a thousand.
@@ -26,7 +27,7 @@ fn stated_intervals_hold_the_truth() {
 /// A gain known to 3 % is one input for all impacts: it does not average out.
 #[test]
 fn a_gain_does_not_average_out() {
-    let lab = LabUncertainties { gain_u: Some(0.03), ..LabUncertainties::default() };
+    let lab = Laboratory { gain: Some(Uncertain::normal(1.0, 0.03)), ..shipped_lab() };
     let bench = bench_with(lab, 2.0, 3);
     let found = bench.blind(1).calibrate().expect("a calibration");
     let relative = found.u / found.sensitivity;

@@ -5,9 +5,8 @@ use hertzscope::analysis::calibration::{
 };
 use hertzscope::analysis::gate::Gate;
 use hertzscope::studies::momentum_test::BlindCalibration;
-use hertzscope::studies::momentum_test::design::LabUncertainties;
 
-use super::{BENCH, bench_with};
+use super::{BENCH, bench_with, shipped_lab};
 
 fn calibrated(blind: &BlindCalibration) -> Calibration {
     calibrate(&blind.strikes, &blind.common, Draws { seed: 0, count: 0 }).expect("a calibration")
@@ -31,7 +30,7 @@ fn why(spoil: impl FnOnce(&mut BlindCalibration)) -> Exclusion {
 
 #[test]
 fn each_kind_of_bad_record_has_a_name() {
-    let loud = bench_with(LabUncertainties::default(), 0.5, 1).blind(20);
+    let loud = bench_with(shipped_lab(), 0.5, 1).blind(20);
     let saturated = why(|blind| blind.strikes[0].record = loud.strikes[0].record.clone());
     assert!(matches!(saturated, Exclusion::Saturated { samples } if samples > 10), "{saturated}");
     let late = why(|blind| {

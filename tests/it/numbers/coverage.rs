@@ -7,7 +7,7 @@ use std::path::Path;
 
 use super::fits::lab;
 use super::forward::{
-    Condition, Numbers, Pulse, Tally, all_hold, codes, conditions, csv, recorded,
+    Condition, Numbers, Pulse, Tally, all_hold, codes, conditions, csv, recorded, trials,
 };
 use super::{scene, surveyed};
 use hertzscope::experiment::bench::{Bench, Grid};
@@ -23,7 +23,6 @@ use hertzscope::recording::TraceSet;
 use hertzscope::recording::tek_csv::TableColumns;
 use hertzscope::scene::{Scene, plan};
 
-const TRIALS: u32 = 200;
 /// Sample intervals of pulses and impacts (s).
 const INTERVALS: [f64; 2] = [0.4e-6, 1e-6];
 
@@ -52,7 +51,7 @@ fn heights_and_speeds_are_covered() {
         let folder = tempfile::tempdir().expect("a folder");
         let mut heights = Tally::default();
         let mut speeds: Vec<(&str, Tally)> = Vec::new();
-        for trial in 0..TRIALS {
+        for trial in 0..trials() {
             let mut numbers = Numbers::of(trial, 1);
             let mut known = TraceSet::default();
             told(&bench, &mut known, condition);
@@ -102,7 +101,7 @@ fn sensitivity_and_time_constant_are_covered() {
     for condition in conditions(INTERVALS) {
         let folder = tempfile::tempdir().expect("a folder");
         let (mut sensitivities, mut constants) = (Tally::default(), Tally::default());
-        for trial in 0..TRIALS {
+        for trial in 0..trials() {
             let mut numbers = Numbers::of(trial, 2);
             let s = 0.2 * (1.0 + 0.05 * numbers.even());
             let tau = 1e-3 * (1.0 + 0.05 * numbers.even());
@@ -166,8 +165,7 @@ fn fitted_parameters_are_covered() {
         let mut known = TraceSet::default();
         told(&nominal, &mut known, condition);
         let mut tallies = [Tally::default(), Tally::default()];
-        let mut failed = 0;
-        for trial in 0..TRIALS {
+        for trial in 0..trials() {
             let mut numbers = Numbers::of(trial, 3);
             let truth: Vec<f64> =
                 knobs.iter().map(|knob| knob.value * (1.0 + 0.02 * numbers.even())).collect();
@@ -188,18 +186,19 @@ fn fitted_parameters_are_covered() {
             let gain_u = (!condition.gain_errors).then_some(0.0);
             let options = FitOptions { starts: 1, accuracy: 1e-6, gain_u, ..FitOptions::default() };
             let found = fit((&lab.scene, &knobs), side, &[], &options, &mut |_| ());
-            let Ok(found) = found else {
-                failed += 1;
-                continue;
+            let found = match found {
+                Ok(found) => found.report,
+                Err(error) => {
+                    println!("{condition:?}: {error}");
+                    tallies.iter_mut().for_each(Tally::miss);
+                    continue;
+                }
             };
-            let found = found.report;
             for ((tally, parameter), truth) in tallies.iter_mut().zip(&found.parameters).zip(truth)
             {
                 tally.count(parameter.value, parameter.expanded, truth);
             }
         }
-        // A fit from one start that does not converge says so, and states no interval: 1 of about 1500 was seen.
-        assert!(failed <= TRIALS / 100, "{condition:?}: {failed} of {TRIALS} did not converge");
         checked
             .extend(["speed", "modulus"].iter().zip(&tallies).map(|(n, t)| t.check(n, condition)));
     }

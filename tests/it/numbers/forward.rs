@@ -28,6 +28,11 @@ pub struct Condition {
     pub interval: f64,
 }
 
+/// Trials of one condition: as many as it takes to tell 97 % from 99 %, and with `HERTZSCOPE_FULL` from 98 %.
+pub fn trials() -> u32 {
+    if std::env::var_os("HERTZSCOPE_FULL").is_none() { 300 } else { 1000 }
+}
+
 /// The conditions of a test at two sample `intervals` (s): all with `HERTZSCOPE_FULL`, else two of them.
 pub fn conditions(intervals: [f64; 2]) -> Vec<Condition> {
     let one = |noise, gain_errors, interval| Condition { noise, gain_errors, interval };
@@ -198,22 +203,27 @@ impl Tally {
         self.count(found.value, found.expanded(), truth);
     }
 
-    /// Between 93 and 97 %, as far as a binomial distribution of so many trials tells: three deviations.
+    /// A trial without an interval, which holds nothing.
+    pub fn miss(&mut self) {
+        self.all += 1;
+    }
+
+    /// Between 93 and 97 %, as far as so many trials tell: two binomial deviations beyond either end.
     pub fn check(&self, what: &str, condition: Condition) -> Result<(), String> {
         let all = f64::from(self.all);
         let share = f64::from(self.inside) / all;
-        let deviation = (0.95 * 0.05 / all).sqrt();
+        let deviation = |share: f64| (share * (1.0 - share) / all).sqrt();
         let [mean, square] = self.sums.map(|sum| sum / all);
         let Condition { noise, gain_errors, interval } = condition;
         let told = format!(
             "{what:18} {noise:4} LSB  gains {:3}  {:.1} us  {share:.3} ± {:.3} of {all}  mean {mean:+.3} U, rms {:.3} U",
             if gain_errors { "off" } else { "on" },
             1e6 * interval,
-            1.96 * deviation,
+            1.96 * deviation(0.95),
             square.sqrt(),
         );
         println!("{told}");
-        let range = 0.93 - 3.0 * deviation..=0.97 + 3.0 * deviation;
+        let range = 0.93 - 2.0 * deviation(0.93)..=0.97 + 2.0 * deviation(0.97);
         if range.contains(&share) { Ok(()) } else { Err(told) }
     }
 }

@@ -212,3 +212,73 @@ fn a_charge_amplifier_is_a_load() {
     let certificate = std::fs::read_to_string(at.join("out/certificate.md")).expect("a page");
     assert!(certificate.contains("a charge amplifier of 10 mV/pC"), "{certificate}");
 }
+
+/// A plate below 1 g of 8 g that move as a whole feels 7/8 of the momentum: the plan's masses give back the sensor's own sensitivity, and their uncertainty counts.
+#[test]
+fn what_stays_above_the_plate_is_taken_off() {
+    let circuit = BENCH.designer.circuit().expect("a circuit");
+    let mut truths = BENCH.truths.clone();
+    truths.iter_mut().flat_map(|t| &mut t.force.values).for_each(|force| *force *= 0.875);
+    let mut blind = BENCH.designer.blind(&BENCH.striker, &truths, circuit, (&BENCH.setup, 1));
+    let without = calibrated(&blind);
+    assert!((without.sensitivity / circuit.sensitivity / 0.875 - 1.0).abs() < 0.01);
+    let folder = tempfile::tempdir().expect("a folder");
+    let masses = "mass_above = \"1 g\"\nmass_above_u = \"4 %\"\nmass_moved = \"8 g\"\nmass_moved_u = \"3 %\"\n";
+    write(folder.path(), |plan| plan.replace("[sensor]\n", &format!("[sensor]\n{masses}")));
+    let read = plan::load(&folder.path().join("plan.toml")).expect("a plan").above;
+    assert!((read.value - 0.125).abs() < 1e-12 && (read.u / 0.125 - 0.05).abs() < 1e-12);
+    blind.common.above = read;
+    let found = calibrated(&blind);
+    let off = (found.sensitivity - circuit.sensitivity).abs();
+    assert!(off < found.expanded() && off < 0.01 * circuit.sensitivity, "{off}");
+    // u of the share over what is left: 0.05 * 0.125/0.875.
+    let line = found.budget.iter().find(|line| line.name() == "inertia above the plate");
+    let share = line.expect("a line").contribution.abs() / found.sensitivity;
+    assert!((share / (0.05 * 0.125 / 0.875) - 1.0).abs() < 0.01, "{share}");
+    write(folder.path(), |plan| plan.replace("[sensor]\n", "[sensor]\nmass_above = \"1 g\"\n"));
+    let told = plan::load(&folder.path().join("plan.toml")).expect_err("half of it").to_string();
+    assert!(told.contains("mass_above_u") || told.contains("mass_moved"), "{told}");
+}
+
+/// A laboratory's own striker, heights, gates and scope make the design; what is wrong in its file is told with its place.
+#[test]
+fn a_design_uses_what_the_laboratory_has() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    let lab = "gravity = \"9.8115 m/s^2\"\ngravity_u = \"0.0005 m/s^2\"\nheights = [\"12 mm\"]\nspeed_u = \"0.5 %\"\nflight_time_u = \"0.1 ms\"\n\
+        [scope]\nmodel = \"tds2024\"\ngain_limit = \"3 %\"\n\
+        [strikers.\"our ball\"]\nmaterial = \"brass\"\ndiameter = \"5 mm\"\nmass = \"0.556 g\"\nmass_u = \"1 mg\"\n";
+    std::fs::write(at.join("lab.toml"), lab).expect("a file");
+    let design = ["calibrate", "--simulate", "pzt-5a-710pf", "--lab", "lab.toml", "-o", "test"];
+    let printed = hertzscope(at, &[&design[..], &["--json", "-q"]].concat()).success();
+    let found: serde_json::Value =
+        serde_json::from_slice(&printed.get_output().stdout).expect("JSON");
+    for candidate in found["candidates"].as_array().expect("candidates") {
+        assert_eq!(candidate["striker"], "our ball");
+        assert_eq!(candidate["height_m"], 12e-3);
+    }
+    let plan = std::fs::read_to_string(at.join("test/plan.toml")).expect("a plan");
+    for line in
+        ["gain_limit = 0.03", "gravity = \"9.811500e0 m/s^2\"", "flight_time_u = ", "\nspeed_u = "]
+    {
+        assert!(plan.contains(line), "{line}: {plan}");
+    }
+    let certified = hertzscope(at, &["calibrate", "test/plan.toml", "--json"]).success();
+    let found: serde_json::Value =
+        serde_json::from_slice(&certified.get_output().stdout).expect("JSON");
+    let number = |key: &str| found[key].as_f64().expect("a number");
+    let truth = BENCH.designer.circuit().expect("a circuit").sensitivity;
+    let off = (number("sensitivity_v_per_n") - truth).abs();
+    assert!(off < number("U95_v_per_n"), "{off} {found}");
+    for (right, wrong, told) in [
+        ("\"12 mm\"", "\"12 g\"", "lab.toml:3"),
+        ("speed_u = \"0.5 %\"\n", "", "one of height_u, speed_u"),
+        ("mass_u = \"1 mg\"", "", "mass_u"),
+        ("flight_time_u", "rebound_u = \"1 %\"\nflight_time_u", "2 of them"),
+    ] {
+        std::fs::write(at.join("lab.toml"), lab.replace(right, wrong)).expect("a file");
+        let refused = hertzscope(at, &design).code(2);
+        let error = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+        assert!(error.contains(told), "{wrong}: {error}");
+    }
+}

@@ -354,3 +354,43 @@ fn trigger_source_and_bandwidth_limit_are_controls() {
     session.act(&[Action::TriggerSource]);
     assert_eq!(scene(&session).scope.trigger.source, TriggerSource::Channel(2));
 }
+
+/// Bands of 95 % lie around the traces and follow the knobs; off, they are gone.
+#[test]
+fn bands_follow_the_knobs() {
+    let mut session = Session::bench("magnet-0.61g");
+    session.act(&[Action::Bands]);
+    let mut highest = |before: f64| {
+        let began = std::time::Instant::now();
+        loop {
+            let captures = session.model.captures();
+            let waveform = captures.first().map(|capture| capture.waveform.clone()).expect("CH1");
+            if let Some([low, high]) = session.model.bands(&waveform) {
+                let top = high.values.iter().copied().fold(0.0, f64::max);
+                if top != before {
+                    println!("bands after {:?}", began.elapsed());
+                    // Beside noise and rounding; where the pulse rises, 5 % of a share of the record may lie outside.
+                    let margin = 4.0 * waveform.preamble.y_mult;
+                    let inside = |index: &usize| {
+                        let volts = waveform.volts_of(waveform.codes[*index]);
+                        let band = low.values[*index] - margin..=high.values[*index] + margin;
+                        band.contains(&volts)
+                    };
+                    let count = low.values.len();
+                    let share = (0..count).filter(inside).count() as f64 / count as f64;
+                    assert!(share > 0.97, "{share}");
+                    session.act(&[Action::TurnKnob(TurnDirection::Up)]);
+                    return top;
+                }
+            }
+            session.next();
+        }
+    };
+    let first = highest(0.0);
+    // The first knob is the striker's speed.
+    let second = highest(first);
+    assert!(second > 1.005 * first, "{first} {second}");
+    session.act(&[Action::Bands]);
+    let waveform = session.model.captures()[0].waveform.clone();
+    assert!(session.model.bands(&waveform).is_none());
+}
