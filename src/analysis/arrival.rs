@@ -15,7 +15,7 @@
 //! samples may miss of the curve, the sample interval's share. Propagation: JCGM 100:2008, Eq. (10). To both places that are found
 //! as a polynomial's extremum or inflection comes `u_shape`, since pulses are no polynomials: from the distance to that of a fit over 1.6 times as many
 //! samples. What a quartic leaves out moves an inflection by the width's fourth power: it counts over 1.6^4 - 1. A peak may stand beside another one: it counts whole where
-//! the wider fit's residuals exceed the noise by more than a standard deviation, else over 1.6^2.5 - 1: contacts open with
+//! the wider fit's residuals exceed the noise by more than a standard deviation, else over 1.6^2 - 1: contacts open with
 //! the force's power 3/2, which no polynomial follows. Valid for pulses that rise
 //! over at least four samples and stand at least six standard deviations out of the noise; for signals whose time constant is
 //! not known, droop moves arrivals by more than is stated (peaks by about 1 us in this bench).
@@ -237,7 +237,7 @@ impl Pulse {
         };
         let excess = wider.residual_variance() / self.noise.powi(2) - 1.0;
         let by_chance = (2.0 / wider.freedom()).sqrt();
-        if excess > by_chance { moved } else { moved / (FIT_WIDTH_FACTOR.powf(2.5) - 1.0) }
+        if excess > by_chance { moved } else { moved / (FIT_WIDTH_FACTOR.powi(2) - 1.0) }
     }
 
     /// By how much the pulse's shape moves its inflection at `x` in `fit` (s).

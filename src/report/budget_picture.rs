@@ -41,7 +41,7 @@ pub fn budget_picture(found: &UncertainPrediction) -> String {
         (LEFT + WIDTHS.0 + WIDTHS.1, above + row * found.outputs.len() as f64 + 20.0);
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"12\">\n\
-         <rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\n<text x=\"14\" y=\"24\" font-size=\"15\">{}: who carries the variance</text>\n",
+         <rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\n<text x=\"14\" y=\"24\" font-size=\"15\">{}: shares of the variance</text>\n",
         escape(&found.scene)
     );
     for (index, (name, colour)) in legend.iter().enumerate() {

@@ -74,6 +74,66 @@ pub struct UncertainPrediction {
     pub bands: Vec<TraceBand>,
 }
 
+/// Benches drawn from a scene's uncertainty, and what each predicts.
+struct DrawnBenches {
+    inputs: RandomInputs,
+    scene: Scene,
+    nominal: Prediction,
+    /// Scores of each sample that gave a result, and its prediction.
+    samples: Vec<(Vec<f64>, Prediction)>,
+}
+
+impl DrawnBenches {
+    fn of(
+        adjustable: &mut Adjustable,
+        options: SampleOptions,
+        traces: bool,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<Self, UncertaintyError> {
+        let inputs = RandomInputs::of(adjustable)?;
+        let mut scenes = vec![adjustable.scene()?];
+        let mut scores: Vec<Vec<f64>> = Vec::new();
+        for sample in hypercube(inputs.count(), options) {
+            // A sample beyond what a key allows, such as a negative mass, is none.
+            if let Ok(scene) = inputs.scene(adjustable, &sample) {
+                scenes.push(scene);
+                scores.push(inputs.scores(&sample));
+            }
+        }
+        let count = scenes.len();
+        let work = |(): &mut (), scene: &Scene| predict(scene, ACCURACY, traces);
+        let done = |finished: usize| progress(finished as f64 / count as f64);
+        let mut found = in_parallel(processors(), &scenes, &work, &done).into_iter();
+        let nominal = found.next().transpose()?.ok_or(UncertaintyError::NoSamples)?;
+        let pairs = scores.into_iter().zip(found);
+        let samples: Vec<_> =
+            pairs.filter_map(|(scores, found)| Some((scores, found.ok()?))).collect();
+        if samples.len() <= inputs.count() + 1 {
+            return Err(UncertaintyError::NoSamples);
+        }
+        Ok(Self { inputs, scene: scenes.swap_remove(0), nominal, samples })
+    }
+
+    fn pairs(&self) -> Vec<(&[f64], &Prediction)> {
+        self.samples.iter().map(|(scores, found)| (scores.as_slice(), found)).collect()
+    }
+
+    fn bands(&self) -> Vec<TraceBand> {
+        outputs::bands(&self.scene, &self.nominal, &self.pairs())
+    }
+}
+
+/// Where 95 % of the traces of `adjustable` lie.
+///
+/// # Errors
+/// As [`uncertain_prediction`].
+pub fn trace_bands(
+    adjustable: &mut Adjustable,
+    options: SampleOptions,
+) -> Result<Vec<TraceBand>, UncertaintyError> {
+    Ok(DrawnBenches::of(adjustable, options, true, &|_| ())?.bands())
+}
+
 /// Predicts `adjustable` with its uncertainty, with bands of traces if `bands`.
 ///
 /// # Errors
@@ -85,40 +145,21 @@ pub fn uncertain_prediction(
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<UncertainPrediction, UncertaintyError> {
     let began = Instant::now();
-    let inputs = RandomInputs::of(adjustable)?;
-    let mut scenes = vec![adjustable.scene()?];
-    let mut scores: Vec<Vec<f64>> = Vec::new();
-    for sample in hypercube(inputs.count(), options) {
-        // A sample beyond what a key allows, such as a negative mass, is none.
-        if let Ok(scene) = inputs.scene(adjustable, &sample) {
-            scenes.push(scene);
-            scores.push(inputs.scores(&sample));
-        }
-    }
-    let count = scenes.len();
-    let work = |(): &mut (), scene: &Scene| predict(scene, ACCURACY, bands);
-    let done = |finished: usize| progress(finished as f64 / count as f64);
-    let mut found = in_parallel(processors(), &scenes, &work, &done).into_iter();
-    let first = found.next().transpose()?.ok_or(UncertaintyError::NoSamples)?;
-    let samples: Vec<Option<Prediction>> = found.map(Result::ok).collect();
-    let pairs = scores.iter().zip(&samples);
-    let pairs: Vec<(&[f64], &Prediction)> =
-        pairs.filter_map(|(scores, found)| Some((scores.as_slice(), found.as_ref()?))).collect();
-    if pairs.len() <= inputs.count() + 1 {
-        return Err(UncertaintyError::NoSamples);
-    }
+    let drawn = DrawnBenches::of(adjustable, options, bands, progress)?;
+    let inputs = &drawn.inputs;
     let many = SampleOptions { samples: LINEAR_SAMPLES, seed: options.seed.wrapping_add(1) };
     let many: Vec<Vec<f64>> =
         hypercube(inputs.count(), many).iter().map(|sample| inputs.scores(sample)).collect();
+    let outputs = outputs::intervals(&drawn.nominal, &drawn.pairs(), (&inputs.names(), &many));
     Ok(UncertainPrediction {
-        wall_s: began.elapsed().as_secs_f64(),
         scene: adjustable.name().to_owned(),
         samples: options.samples,
         seed: options.seed,
-        failed: options.samples - pairs.len(),
-        outputs: outputs::intervals(&first, &pairs, (&inputs.names(), &many)),
-        bands: if bands { outputs::bands(&scenes[0], &first, &pairs) } else { Vec::new() },
-        inputs: inputs.into_list(),
+        failed: options.samples - drawn.samples.len(),
+        outputs,
+        bands: if bands { drawn.bands() } else { Vec::new() },
+        inputs: drawn.inputs.into_list(),
+        wall_s: began.elapsed().as_secs_f64(),
     })
 }
 

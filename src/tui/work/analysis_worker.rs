@@ -12,7 +12,7 @@ use crate::recording::format::{Format, open};
 use crate::recording::{Origin, Shot, TraceSet};
 use crate::scene::Scene;
 use crate::scene::adjust::Adjustable;
-use crate::studies::uncertainty::{SampleOptions, TraceBand, uncertain_prediction};
+use crate::studies::uncertainty::{SampleOptions, TraceBand, trace_bands};
 use crate::studies::{cost, effects};
 use crate::tui::model::background_jobs::JobAnswer;
 use crate::tui::model::{JobState, ScreenState};
@@ -113,8 +113,7 @@ pub fn comparer()
 /// Where a scene's uncertainty puts its traces, as `run --bands` computes it.
 fn bands(scene: &str) -> Result<Vec<TraceBand>, String> {
     let mut scene = Adjustable::load(scene).map_err(|error| with_reasons(&error))?;
-    let found = uncertain_prediction(&mut scene, SampleOptions::default(), true, &|_| ());
-    found.map(|found| found.bands).map_err(|error| with_reasons(&error))
+    trace_bands(&mut scene, SampleOptions::default()).map_err(|error| with_reasons(&error))
 }
 
 /// The measurement is the one that was measured; of two of a kind, the one on screen, unless that is a bench.

@@ -9,7 +9,7 @@ use crate::experiment::{Integration, facts, run};
 use crate::recording::TraceSet;
 use crate::scene::Scene;
 use crate::scene::adjust::Adjustable;
-use crate::studies::uncertainty::{SampleOptions, TraceBand, uncertain_prediction};
+use crate::studies::uncertainty::{SampleOptions, TraceBand, trace_bands};
 use crate::tui::model::background_jobs::JobAnswer;
 use crate::tui::model::{JobState, StrikeRequest, StrikeResult};
 
@@ -28,8 +28,7 @@ pub fn bands(bench: StrikeRequest, waiting: &Receiver<StrikeRequest>, news: &Sen
         let mut scene =
             Adjustable::from_text(&name, "the bench", &text).map_err(|e| with_reasons(&e))?;
         let options = SampleOptions { samples: BAND_SAMPLES, ..SampleOptions::default() };
-        let found = uncertain_prediction(&mut scene, options, true, &|_| ());
-        Ok(found.map_err(|error| with_reasons(&error))?.bands)
+        trace_bands(&mut scene, options).map_err(|error| with_reasons(&error))
     });
     let edges = |bands: Vec<TraceBand>| bands.into_iter().map(TraceBand::edges).collect();
     let job = found.map_or_else(JobState::Failed, |bands| JobState::Done(edges(bands)));
