@@ -13,8 +13,8 @@ use crate::studies::uncertainty::{SampleOptions, TraceBand, trace_bands};
 use crate::tui::model::background_jobs::JobAnswer;
 use crate::tui::model::{JobState, StrikeRequest, StrikeResult};
 
-/// Samples of the bench's uncertainty: the ends of 95 % intervals scatter by a tenth of their width, and a shipped bench takes 0.2 s on two cores.
-const BAND_SAMPLES: usize = 200;
+/// Samples of the bench's uncertainty: the ends of 95 % intervals scatter by 7 % of their width.
+const BAND_SAMPLES: usize = 100;
 
 /// The newest of the requests that are waiting; the older ones are stale.
 fn newest(first: StrikeRequest, waiting: &Receiver<StrikeRequest>) -> StrikeRequest {
