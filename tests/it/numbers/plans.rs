@@ -45,7 +45,7 @@ fn gravity_has_an_uncertainty() {
     assert!(told.contains("gravity_u"), "{told}");
 }
 
-/// Records through a dividing probe, and a plan that has the scope's own input as the load: 10 MOhm beside 1 MOhm, another time constant.
+/// Records through a dividing probe, and a plan that has the scope's own input as the load: ten megohms beside one, another time constant.
 #[test]
 fn a_probe_that_the_plan_does_not_know_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
