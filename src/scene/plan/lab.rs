@@ -105,8 +105,9 @@ fn read(node: &Node, problems: &Problems) -> Option<Laboratory> {
     );
     let (mut scope, mut gain) = (None, None);
     if let Some(table) = root.table("scope") {
-        scope =
-            table.required_text("model", "an oscilloscope, e.g. \"tds2014\"").map(str::to_owned);
+        scope = table
+            .required_text("model", "an oscilloscope (`hertzscope list scopes`)")
+            .map(str::to_owned);
         gain = gain_of(&table);
         table.finish();
     } else if !root.has("scope") {
