@@ -16,6 +16,8 @@ use crate::scene::{Scene, gain_u};
 use crate::scope::VerticalSetup;
 use crate::scope::waveform::{HIGHEST_CODE, LOWEST_CODE};
 
+/// Paths that the note on inputs taken as exact names.
+const MAX_SHOWN_INPUTS: usize = 4;
 /// Intervals and starts that differ by less than this, in samples, are the same (1).
 const INTERVAL_TOLERANCE: f64 = 1e-6;
 
@@ -112,6 +114,7 @@ impl Records {
         let axis =
             found.ok_or_else(|| FitError::NoSamples { channel: measured.name.to_owned() })?;
         notes.extend(gain_note(&list));
+        notes.extend(taken_as_exact(scene, freed));
         Ok(Self { axis, list, notes })
     }
 
@@ -158,6 +161,20 @@ fn gain_of(
         gain_u(&scene.scope.model, number, &record.vertical, known.chain)
     };
     scope.hypot(sensitivity)
+}
+
+/// The note on inputs whose uncertainty the scene states, and the fit does not count.
+fn taken_as_exact(scene: &Scene, freed: &[&str]) -> Option<String> {
+    let others = scene.uncertainty.iter().map(|input| input.path.as_str());
+    let others: Vec<&str> = others.filter(|path| !freed.contains(path)).collect();
+    let shown = others.iter().take(MAX_SHOWN_INPUTS).copied().collect::<Vec<_>>().join(", ");
+    let more = match others.len().saturating_sub(MAX_SHOWN_INPUTS) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    (!others.is_empty()).then(|| {
+        format!("± takes as exact what the scene's [uncertainty] says is not: {shown}{more}")
+    })
 }
 
 fn gain_note(list: &[ChannelRecord]) -> Option<String> {

@@ -47,6 +47,19 @@ pub enum UncertaintyError {
     /// Too few samples gave a result.
     #[error("too few samples gave a result: more samples, or smaller uncertainties")]
     NoSamples,
+    /// So many samples gave no result that those left are not drawn from what the scene states.
+    #[error(
+        "{failed} of {samples} samples gave no result: smaller uncertainties, or limits that the value cannot leave{}",
+        reason.as_ref().map_or(String::new(), |reason| format!("; the first: {reason}"))
+    )]
+    Failed {
+        /// Samples without one.
+        failed: usize,
+        /// All of them.
+        samples: usize,
+        /// Why the first has none.
+        reason: Option<String>,
+    },
     /// The scene cannot run.
     #[error(transparent)]
     Run(#[from] RunError),

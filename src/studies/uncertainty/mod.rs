@@ -31,6 +31,8 @@ use crate::scene::Scene;
 use crate::scene::adjust::Adjustable;
 use inputs::RandomInputs;
 
+/// Samples that give no result may be this share of all (1).
+const MAX_FAILED_SHARE: f64 = 0.02;
 /// Accuracy of the samples' integration: far below any uncertainty of a bench (1).
 const ACCURACY: f64 = 1e-5;
 /// Samples of the outputs' regressions, which need no run: quantiles to 0.5 % of the interval's half-width.
@@ -93,11 +95,15 @@ impl DrawnBenches {
         let inputs = RandomInputs::of(adjustable)?;
         let mut scenes = vec![adjustable.scene()?];
         let mut scores: Vec<Vec<f64>> = Vec::new();
+        let mut reason = None;
         for sample in hypercube(inputs.count(), options) {
             // A sample beyond what a key allows, such as a negative mass, is none.
-            if let Ok(scene) = inputs.scene(adjustable, &sample) {
-                scenes.push(scene);
-                scores.push(inputs.scores(&sample));
+            match inputs.scene(adjustable, &sample) {
+                Ok(scene) => {
+                    scenes.push(scene);
+                    scores.push(inputs.scores(&sample));
+                }
+                Err(error) => reason = reason.or_else(|| Some(error.to_string())),
             }
         }
         let count = scenes.len();
@@ -108,6 +114,10 @@ impl DrawnBenches {
         let pairs = scores.into_iter().zip(found);
         let samples: Vec<_> =
             pairs.filter_map(|(scores, found)| Some((scores, found.ok()?))).collect();
+        let failed = options.samples - samples.len();
+        if failed as f64 > MAX_FAILED_SHARE * options.samples as f64 {
+            return Err(UncertaintyError::Failed { failed, samples: options.samples, reason });
+        }
         if samples.len() <= inputs.count() + 1 {
             return Err(UncertaintyError::NoSamples);
         }
