@@ -77,11 +77,11 @@ impl Pair {
         })
     }
 
-    /// Measured less simulated.
+    /// Measured minus simulated.
     pub fn residual(&self) -> Trace {
         let values = self.measured.values.iter().zip(&self.simulated.values);
         let values = values.map(|(m, s)| m - s).collect();
-        Trace { name: "measured less simulated".to_owned(), values, ..self.measured.clone() }
+        Trace { name: "measured minus simulated".to_owned(), values, ..self.measured.clone() }
     }
 
     /// How far the two are apart.

@@ -91,7 +91,7 @@ fn alignment(comparison: &Comparison) -> String {
         .map_or_else(String::new, |u| format!(" ± {}", engineering(NORMAL_95 * u, "s", 2)));
     let shift = signed(comparison.shift_s, "s", 4);
     format!(
-        "aligned by {}: simulated traces {shift}{u} later; gain and offset are reported, not removed",
+        "aligned by {}: simulated traces shifted by {shift}{u}; gain and offset are reported, not removed",
         comparison.align
     )
 }
@@ -133,7 +133,7 @@ pub fn comparison(comparison: &Comparison) -> String {
     ];
     lines.extend(table::lines(&rows(comparison), &[0, 1]));
     lines.push(String::new());
-    lines.push("measured less simulated".to_owned());
+    lines.push("measured minus simulated".to_owned());
     lines.extend(table::lines(&residual_rows(comparison), &[0]));
     if !comparison.speeds.is_empty() {
         lines.push(String::new());
@@ -167,7 +167,7 @@ pub fn comparison_parts(compared: &Compared, stem: &str) -> Vec<Part> {
         Part::Paragraph(format!("Traces are {}.", alignment(comparison))),
         Part::Heading(2, "Measured over simulated".to_owned()),
         Part::Table(rows(comparison)),
-        Part::Heading(2, "Measured less simulated".to_owned()),
+        Part::Heading(2, "Measured minus simulated".to_owned()),
         Part::Table(residual_rows(comparison)),
     ];
     if !comparison.speeds.is_empty() {
@@ -180,11 +180,11 @@ pub fn comparison_parts(compared: &Compared, stem: &str) -> Vec<Part> {
         let title = format!("{name}: measured and simulated");
         let under = Under::new("simulated", vec![under]);
         let both = chart_over(&curve(&pair.measured, "voltage"), &[under], &title);
-        let residual = curve(&pair.residual(), "measured less simulated");
+        let residual = curve(&pair.residual(), "measured minus simulated");
         let apart = chart(&residual, &format!("{name}: difference"));
         parts.push(Part::Heading(2, name.clone()));
         parts.push(Part::Picture(format!("{stem}-{name}.svg"), title, both));
-        let shown = format!("{name}: measured less simulated");
+        let shown = format!("{name}: measured minus simulated");
         parts.push(Part::Picture(format!("{stem}-{name}-difference.svg"), shown, apart));
     }
     parts.push(Part::Heading(2, "Notes".to_owned()));

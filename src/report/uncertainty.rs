@@ -129,7 +129,9 @@ pub fn band_picture(band: &TraceBand, title: &str) -> String {
 
 /// Normalised errors as lines of `compare`.
 pub fn normalised_error_lines(errors: &[NormalisedError]) -> Vec<String> {
-    let mut lines = vec!["by what both sides know (E_n up to 1 agrees)".to_owned()];
+    let mut lines = vec![
+        "normalised errors E_n, the difference over the combined U95: up to 1 agrees".to_owned(),
+    ];
     let mut rows = vec![["", "measured", "simulated", "E_n"].map(str::to_owned).to_vec()];
     let shown = |number: Option<Uncertain>, unit: &str| {
         number.map_or("-".to_owned(), |number| with_expanded(number.value, number.expanded(), unit))
@@ -140,7 +142,7 @@ pub fn normalised_error_lines(errors: &[NormalisedError]) -> Vec<String> {
         vec![error.quantity.clone(), measured, simulated, format!("{:.2}", error.e_n)]
     }));
     lines.extend(table::lines(&rows, &[0]));
-    for error in errors.iter().filter(|error| !error.agrees()) {
+    for error in errors.iter().filter(|error| !error.agrees() && !error.moves.is_empty()) {
         let moves: Vec<String> =
             error.moves.iter().map(|one| format!("{} by {:+.1} u", one.input, one.by_u)).collect();
         lines.push(format!("  would agree  {}: {}", error.quantity, moves.join(", ")));

@@ -72,7 +72,7 @@ fn a_recording_is_itself_through_csv() {
     let html = std::fs::read_to_string(&page).expect("a page");
     assert_eq!(html.matches("<svg").count(), 8, "two pictures a channel");
     let markdown = std::fs::read_to_string(&text).expect("a page");
-    assert!(markdown.contains("![CH1: measured less simulated](report-CH1-difference.svg)"));
+    assert!(markdown.contains("![CH1: measured minus simulated](report-CH1-difference.svg)"));
     assert!(folder.path().join("report-CH4.svg").exists());
 }
 

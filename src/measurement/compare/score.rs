@@ -32,9 +32,9 @@ pub struct ChannelScore {
     pub arrival_measured_s: Option<Uncertain>,
     /// Arrival of the simulated trace after its own trigger, seconds.
     pub arrival_simulated_s: Option<Uncertain>,
-    /// Measured less simulated arrival, half-rise, after the shift, without the shift's uncertainty, seconds.
+    /// Measured minus simulated arrival, half-rise, after the shift, without the shift's uncertainty, seconds.
     pub arrival_error_s: Option<Uncertain>,
-    /// Root mean square of measured less simulated (V).
+    /// Root mean square of measured minus simulated (V).
     pub rms: f64,
     /// The same in levels of the measured trace (1).
     pub rms_lsb: f64,
