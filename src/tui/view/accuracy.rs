@@ -94,7 +94,9 @@ fn study_of(model: &ScreenState, study: &CostStudy, area: Rect, frame: &mut Fram
         times.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), t| (low.min(t), high.max(t)));
     let (low, high) = if low.is_finite() { (low, high) } else { (1e-6, 1.0) };
     let grid = colour(model.palette(), Color::DarkGray);
-    let below = Rect { y: area.y + 1, height: area.height.saturating_sub(2), ..area };
+    let legend = legend(model, study, area.width);
+    let legend_rows = u16::try_from(legend.len()).unwrap_or(0);
+    let below = Rect { y: area.y + 1, height: area.height.saturating_sub(1 + legend_rows), ..area };
     let axes = (
         DiagramAxis::logarithmic(low / 1.5, high * 1.5, "s"),
         DiagramAxis::logarithmic(MIN_ERROR, 1.0, ""),
@@ -106,7 +108,6 @@ fn study_of(model: &ScreenState, study: &CostStudy, area: Rect, frame: &mut Fram
     }
     sheet.level(study.reference.error.max(MIN_ERROR), colour(model.palette(), Color::Gray));
     sheet.draw(colour(model.palette(), Color::Gray), frame);
-    let mut legend = Vec::new();
     for (index, rows) in study.points.chunk_by(|a, b| a.method == b.method).enumerate() {
         let (letter, tint) = method_style(index);
         let style = Style::new().fg(colour(model.palette(), tint));
@@ -115,8 +116,6 @@ fn study_of(model: &ScreenState, study: &CostStudy, area: Rect, frame: &mut Fram
                 sheet.write(at, &letter.to_string(), style, frame);
             }
         }
-        let name = rows.first().map_or("", |point| point.method);
-        legend.push(ratatui::text::Span::styled(format!("{letter} {name}  "), style));
     }
     if let Some(chosen) = present(model, study) {
         let at = (chosen.wall_s_median, chosen.error.unwrap_or(1.0).max(MIN_ERROR));
@@ -127,7 +126,26 @@ fn study_of(model: &ScreenState, study: &CostStudy, area: Rect, frame: &mut Fram
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let head = format!("{}: error of peaks and arrivals (up) against time of one run", study.scene);
     put(frame.buffer_mut(), area, area.y, &head, bold);
-    frame.render_widget(Line::from(legend), Rect { y: area.bottom() - 1, height: 1, ..area });
+    let y = area.bottom().saturating_sub(legend_rows);
+    frame.render_widget(Paragraph::new(legend), Rect { y, height: legend_rows, ..area });
+}
+
+/// The methods with their letters, in as many lines of `width` columns as they need.
+fn legend(model: &ScreenState, study: &CostStudy, width: u16) -> Vec<Line<'static>> {
+    let mut lines = vec![Line::default()];
+    for (index, rows) in study.points.chunk_by(|a, b| a.method == b.method).enumerate() {
+        let (letter, tint) = method_style(index);
+        let name = rows.first().map_or("", |point| point.method);
+        let text = format!("{letter} {name}  ");
+        let style = Style::new().fg(colour(model.palette(), tint));
+        if lines.last().is_some_and(|line| line.width() + text.len() > usize::from(width)) {
+            lines.push(Line::default());
+        }
+        if let Some(line) = lines.last_mut() {
+            line.push_span(ratatui::text::Span::styled(text, style));
+        }
+    }
+    lines
 }
 
 fn share(value: Option<f64>) -> String {
@@ -144,7 +162,7 @@ fn entry_line(entry: &LedgerEntry) -> String {
     let lsb =
         change.and_then(|c| c.peak_lsb).map_or_else(|| "-".to_owned(), |v| format!("{v:+.2}"));
     format!(
-        "{:<20}{:<5}{:>9}{:>9}{:>9}{:>7} {}",
+        "{:<20} {:<4}{:>9}{:>9}{:>9}{:>7} {}",
         entry.effect,
         state,
         share(change.and_then(|c| c.peak)),
@@ -158,7 +176,7 @@ fn entry_line(entry: &LedgerEntry) -> String {
 fn ledger_of(model: &ScreenState, ledger: &Ledger, area: Rect, frame: &mut Frame) {
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let head = format!(
-        "{:<20}{:<5}{:>9}{:>9}{:>9}{:>7} {}",
+        "{:<20} {:<4}{:>9}{:>9}{:>9}{:>7} {}",
         "effect, with/without", "", "peak", "arrival", "speed", "LSB", "verdict"
     );
     let rows = usize::from(area.height.saturating_sub(2)).max(1);
