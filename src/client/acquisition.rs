@@ -94,14 +94,14 @@ impl ScopeState {
     fn read(reply: &str) -> io::Result<Self> {
         let fields: Vec<&str> = reply.split(';').collect();
         let &[running, stop_after, count, _] = fields.as_slice() else {
-            return Err(invalid_reply("a reply to a query for the state that is none"));
+            return Err(invalid_reply("an invalid reply to the query for the state"));
         };
         let count = count.parse();
         match (running, stop_after, count) {
             ("0" | "1", "SEQUENCE" | "RUNSTOP", Ok(count)) => {
                 Ok(Self { is_running: running == "1", is_single: stop_after == "SEQUENCE", count })
             }
-            _ => Err(invalid_reply("a reply to a query for the state that is none")),
+            _ => Err(invalid_reply("an invalid reply to the query for the state")),
         }
     }
 }

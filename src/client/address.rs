@@ -85,8 +85,7 @@ impl FromStr for Address {
             return prologix(rest).map_err(|problem| wrong(problem, PROLOGIX_EXAMPLE));
         }
         if let Some((scheme, _)) = bare.split_once("://") {
-            let problem =
-                format!("`{scheme}` is none of the kinds of lines tcp, serial and prologix");
+            let problem = format!("unknown kind of line `{scheme}`: use tcp, serial or prologix");
             return Err(wrong(&problem, SOCKET_EXAMPLE));
         }
         if bare.contains("::") && !bare.starts_with('[') {
@@ -206,7 +205,7 @@ mod tests {
             ("tcp://scope", "names no host with a port: type e.g. tcp://127.0.0.1:5025"),
             ("tcp://:5025", "names no host"),
             ("tcp://scope:99999", "names no host with a port"),
-            ("udp://scope:1", "`udp` is none of the kinds of lines"),
+            ("udp://scope:1", "unknown kind of line `udp`"),
             ("serial:/dev/ttyUSB0?baud=115200", "needs baud=300"),
             ("serial:/dev/ttyUSB0?speed=9600", "needs baud=300"),
             ("serial:", "names no port: type e.g. serial:/dev/ttyUSB0?baud=19200"),

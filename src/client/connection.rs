@@ -10,7 +10,7 @@ use super::prologix::PrologixLine;
 use super::serial::SerialLine;
 use super::socket::SocketLine;
 
-/// A longer reply is none of an oscilloscope's (bytes).
+/// Longest reply that an oscilloscope sends (bytes).
 const MAX_REPLY_LENGTH: usize = 1 << 20;
 /// Most records of one reply: those of four channels, the math trace and four references.
 const MAX_RECORDS: usize = 9;
@@ -147,7 +147,7 @@ impl Client {
         Ok((head.unwrap_or_else(rest), records))
     }
 
-    /// The next byte that is none of a line's end, since the reply before may have ended with two of them.
+    /// The next byte after the ends of lines, since the reply before may have ended with two of them.
     fn first_byte(&mut self) -> io::Result<u8> {
         for _ in 0..MAX_REPLY_LENGTH {
             match self.byte()? {

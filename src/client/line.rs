@@ -48,7 +48,7 @@ pub fn connection_closed() -> io::Error {
     io::Error::new(ErrorKind::UnexpectedEof, "it has closed the connection")
 }
 
-/// A reply that is none of an oscilloscope's.
+/// The error for a reply that no oscilloscope sends.
 pub fn invalid_reply(found: &str) -> io::Error {
     io::Error::new(ErrorKind::InvalidData, format!("found {found}"))
 }
