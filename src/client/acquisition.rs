@@ -2,7 +2,7 @@
 //!
 //! For each shot the scope is armed for a single sequence, so that it holds the record of one trigger until all channels are read. It is asked
 //! for its state until it has stopped; no query blocks. A line that fails is opened again for as long as it takes: the scope holds its record
-//! meanwhile, and the read-out begins anew. A shot counts if nobody started the scope during the read-out and all that was read twice was
+//! meanwhile, and the read-out begins anew. A shot counts if the scope was not started during the read-out and all that was read twice was
 //! the same; otherwise it is dropped, and said. In the trigger mode `AUTO` a scope also takes records without a trigger: it is `NORMAL` meanwhile.
 
 use std::io;
@@ -62,7 +62,7 @@ pub enum AcquisitionEvent {
     LineFailed(String),
     /// The line works again.
     LineBack,
-    /// The scope was started or stopped by somebody else: it is armed again.
+    /// The scope was started or stopped by another client or at its panel: it is armed again.
     ArmedAgain(&'static str),
     /// A record was dropped, and why.
     Dropped(&'static str),

@@ -172,9 +172,8 @@ fn taken_as_exact(scene: &Scene, freed: &[&str]) -> Option<String> {
         0 => String::new(),
         more => format!(" and {more} more"),
     };
-    (!others.is_empty()).then(|| {
-        format!("± takes as exact what the scene's [uncertainty] says is not: {shown}{more}")
-    })
+    (!others.is_empty())
+        .then(|| format!("± does not include the scene's [uncertainty] of {shown}{more}"))
 }
 
 fn gain_note(list: &[ChannelRecord]) -> Option<String> {

@@ -65,7 +65,7 @@ impl Sessions {
         recorder: Option<Recorder>,
         log: Log,
     ) -> Self {
-        // Power on is nobody's error.
+        // Power on is no error.
         instrument.status.take_reported();
         Self {
             instrument,

@@ -121,7 +121,7 @@ impl Vxi11Server {
         self.channels.insert(connection, channel);
     }
 
-    /// A connection is gone, and its links with it.
+    /// Closes a connection's links.
     pub fn closed(&mut self, connection: u64, device: &mut dyn Device) {
         let Some(channel) = self.channels.remove(&connection) else { return };
         let links = self.links.iter().filter(|(_, link)| link.connection == connection);
