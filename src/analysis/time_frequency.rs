@@ -17,6 +17,30 @@ pub struct Pieces {
     pub hop: usize,
 }
 
+/// Pieces are at least this part of the record, and at most half of it.
+const PIECES_PER_RECORD: usize = 16;
+/// They move on by this part of themselves.
+const HOPS_PER_PIECE: usize = 32;
+/// Width of the Hann window's main lobe, in `1/(segment dt)`. Source: F. J. Harris, Proc. IEEE 66, 51 (1978), Table 1.
+const HANN_LOBE_WIDTH: f64 = 4.0;
+
+impl Pieces {
+    /// Pieces of a record of `samples` at `interval` (s): a sixteenth of it, or as long as it takes for a line to be no wider than `gap` (Hz),
+    /// a chain's band gap, where there is one.
+    pub fn of_record(samples: usize, interval: f64, gap: Option<f64>) -> Self {
+        let for_gap = gap
+            .filter(|gap| *gap > 0.0)
+            .map_or(0, |gap| (HANN_LOBE_WIDTH / (gap * interval)) as usize);
+        let segment = for_gap.max(samples / PIECES_PER_RECORD).min(samples / 2).max(2);
+        Self::moving_on(segment)
+    }
+
+    /// Pieces of `segment` samples that move on by a thirty-second part of themselves.
+    pub fn moving_on(segment: usize) -> Self {
+        Self { segment, hop: (segment / HOPS_PER_PIECE).max(1) }
+    }
+}
+
 /// Why there is no spectrogram.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SpectrogramError {

@@ -1,18 +1,86 @@
-//! `hertzscope completions`: for the shell to load.
+//! `hertzscope completions`: what the shell offers when Tab is pressed. The script asks the program itself, which knows its scenes.
+
+use std::ffi::OsStr;
 
 use clap::Args;
-use clap_complete::Shell;
+use clap::builder::PossibleValuesParser;
+use clap_complete::CompletionCandidate;
+use clap_complete::engine::{ArgValueCompleter, PathCompleter, ValueCompleter as _};
+use clap_complete::env::{CompleteEnv, Shells};
 
-/// Print the completion script of a shell
+use crate::scene::Scene;
+
+/// Set by the script when it asks.
+const VARIABLE: &str = "HERTZSCOPE_COMPLETE";
+/// Arguments that take a scene, and those that take recordings and a scope's files.
+const SCENES: [&str; 5] = ["scene", "simulated", "what", "against", "inputs"];
+const RECORDINGS: [&str; 6] = ["file", "files", "measured", "input", "what", "inputs"];
+/// Endings of what holds traces.
+const RECORDING_ENDINGS: [&str; 3] = ["mcap", "csv", "isf"];
+
+/// Print the script that lets a shell complete commands, options, scenes and recordings
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// The shell
-    shell: Shell,
+    #[arg(value_parser = PossibleValuesParser::new(Shells::builtins().names()))]
+    shell: String,
 }
 
-/// Prints the script for `command`, the program's command line.
-pub fn run(arguments: &Arguments, mut command: clap::Command) -> anyhow::Result<()> {
+/// Prints the script.
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let shells = Shells::builtins();
     let mut script = Vec::new();
-    clap_complete::generate(arguments.shell, &mut command, "hertzscope", &mut script);
+    if let Some(shell) = shells.completer(&arguments.shell) {
+        let program = std::env::current_exe()?.display().to_string();
+        shell.write_registration(VARIABLE, "hertzscope", "hertzscope", &program, &mut script)?;
+    }
     super::print(String::from_utf8_lossy(&script).trim_end())
+}
+
+/// Answers the script and ends the program, if it was the script that called.
+pub fn answer(command: impl Fn() -> clap::Command) {
+    CompleteEnv::with_factory(|| completing(command())).var(VARIABLE).complete();
+}
+
+/// `command`, with what its arguments may be.
+fn completing(mut command: clap::Command) -> clap::Command {
+    let names: Vec<String> = command.get_subcommands().map(|c| c.get_name().to_owned()).collect();
+    for name in names {
+        command = command.mut_subcommand(name, |found| found.mut_args(completing_argument));
+    }
+    command
+}
+
+fn completing_argument(argument: clap::Arg) -> clap::Arg {
+    let is_in = |ids: &[&str]| ids.contains(&argument.get_id().as_str());
+    let (scenes, recordings) = (is_in(&SCENES), is_in(&RECORDINGS));
+    if !scenes && !recordings {
+        return argument;
+    }
+    argument.add(ArgValueCompleter::new(move |typed: &OsStr| {
+        let files = PathCompleter::any().filter(move |path| {
+            let ending = path.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
+            ending.is_some_and(|ending| {
+                (scenes && ending == "toml")
+                    || (recordings && RECORDING_ENDINGS.contains(&ending.as_str()))
+            })
+        });
+        let mut found = files.complete(typed);
+        if scenes {
+            found.extend(included(typed));
+        }
+        found
+    }))
+}
+
+/// The included scenes that begin as `typed`.
+fn included(typed: &OsStr) -> Vec<CompletionCandidate> {
+    let typed = typed.to_string_lossy();
+    let names = Scene::names().into_iter().filter(|name| name.starts_with(&*typed));
+    names
+        .map(|name| {
+            let title = Scene::load(name).ok().map(|scene| scene.title.into());
+            CompletionCandidate::new(name).help(title)
+        })
+        .collect()
 }

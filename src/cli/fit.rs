@@ -29,8 +29,8 @@ pub struct Arguments {
     /// only the scene
     #[arg(value_names = ["MEASURED", "SCENE"], num_args = 1..=2, required = true)]
     inputs: Vec<String>,
-    /// Parameters to fit, by their paths in the scene, e.g. `striker.speed,materials.*.youngs_modulus`; * matches any name, PATH=VALUE sets
-    /// the start
+    /// Parameters to fit, by their paths in the scene, e.g. `striker.speed,materials.ptfe.youngs_modulus`; in `particles.*.mass` the * is
+    /// every name, each a parameter; PATH=VALUE sets the start
     #[arg(long, value_name = "PATHS", value_delimiter = ',', required = true)]
     free: Vec<String>,
     /// Simulated sensor of a measured channel, e.g. CH1=p2,CH2=p14 [default: as recorded, else equal numbers]

@@ -124,6 +124,7 @@ fn command_line() -> clap::Command {
 
 /// Runs the program on the process's own arguments.
 pub fn main() -> ExitCode {
+    completions::answer(command_line);
     let matches = command_line().get_matches();
     let command = match Arguments::from_arg_matches(&matches) {
         Ok(arguments) => arguments.command,
@@ -169,7 +170,7 @@ pub fn main() -> ExitCode {
         #[cfg(feature = "tui")]
         Command::View(arguments) => view::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
-        Command::Completions(arguments) => completions::run(&arguments, command_line()),
+        Command::Completions(arguments) => completions::run(&arguments),
         Command::Help(arguments) => help::run(&arguments, command_line()),
         Command::Man(arguments) => man::run(&arguments, command_line()),
     };

@@ -17,6 +17,9 @@ pub struct PlotArguments {
     /// Also draw into this file
     #[arg(long, value_name = PICTURE_ENDINGS, value_parser = file)]
     plot: Option<PathBuf>,
+    /// With --plot: draw light on dark, for slides
+    #[arg(long, requires = "plot")]
+    dark: bool,
     #[command(flatten)]
     pub overwrite: OverwriteArguments,
 }
@@ -30,6 +33,7 @@ impl PlotArguments {
     /// Draws the picture, if one is wanted.
     pub fn save(&self, svg: impl FnOnce() -> String) -> anyhow::Result<()> {
         match &self.plot {
+            Some(file) if self.dark => self::save(file, &crate::report::on_dark(&svg())),
             Some(file) => self::save(file, &svg()),
             None => Ok(()),
         }

@@ -9,8 +9,7 @@ use serde_json::json;
 use super::accuracy::AccuracyArguments;
 use super::budget::DrawArguments;
 use super::by_hand::{ByHand, step, tolerance};
-use super::overwrite::OverwriteArguments;
-use super::picture;
+use super::picture::PlotArguments;
 use super::progress::JobProgress;
 use crate::experiment::accuracy::run_to_accuracy;
 use crate::experiment::auto_effects::resolve_auto_effects;
@@ -19,10 +18,10 @@ use crate::experiment::outcome::Summary;
 use crate::experiment::{Integration, RunError, facts, first_attempt};
 use crate::measurement::arrivals::{Survey, survey};
 use crate::measurement::statistics::statistics;
-use crate::recording::TraceSet;
 use crate::recording::mcap::RecordingWriter;
+use crate::recording::{Shot, TraceSet};
 use crate::report;
-use crate::scene::Scene;
+use crate::scene::{FRAMES, Scene};
 use crate::studies::uncertainty::UncertainPrediction;
 
 /// Most shots of a run.
@@ -53,6 +52,10 @@ pub struct Arguments {
     /// Random seed of noise and sampling phase [default: the scene's]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
+    /// How often over the scene's duration the recording keeps the forces of all contacts and the displacements of all bodies, 2 to 50000: more
+    /// for the spectra of a long run, fewer for a small file (sensors' forces are kept at the scope's samples) [default: the scene's, else 200]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(i64::from(*FRAMES.start())..=i64::from(*FRAMES.end())))]
+    frames: Option<u32>,
     /// Number of impacts, each with its own noise and striker speed, in one recording
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=MAX_SHOTS), conflicts_with = "bands")]
     shots: u32,
@@ -60,11 +63,8 @@ pub struct Arguments {
     /// the traces
     #[arg(long)]
     bands: bool,
-    /// With --bands: draw the 95 % band of each channel into FILE-CH1.svg, ...
-    #[arg(long, value_name = picture::PICTURE_ENDINGS, value_parser = picture::file, requires = "bands")]
-    plot: Option<PathBuf>,
     #[command(flatten)]
-    overwrite: OverwriteArguments,
+    plot: PlotArguments,
     #[command(flatten)]
     draws: DrawArguments,
     /// Print the summary as JSON
@@ -91,9 +91,8 @@ fn integration(
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut scene = Scene::load(&arguments.scene)?;
     scene.seed = arguments.seed.unwrap_or(scene.seed);
-    for file in pictures(arguments, &scene) {
-        arguments.overwrite.check(&file)?;
-    }
+    scene.frames = arguments.frames.unwrap_or(scene.frames);
+    arguments.plot.check()?;
     let (integration, reason) = integration(arguments, &scene)?;
     // Before the recording tells what it is of.
     let scene = resolve_auto_effects(&scene, integration);
@@ -111,6 +110,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let set =
         TraceSet { attachments: attachments.to_vec(), metadata: known, ..TraceSet::default() };
     let (mut summaries, mut surveys) = (Vec::new(), Vec::new());
+    let mut first: Option<Shot> = None;
     for number in 1..=arguments.shots {
         let before = f64::from(number - 1);
         let mut report = |share| progress.at((before + share) / f64::from(arguments.shots));
@@ -129,6 +129,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             surveys.push(survey(&set, &outcome.shot));
         }
         summaries.push(outcome.summary);
+        first.get_or_insert(outcome.shot);
     }
     progress.done();
     let file = writer.finish()?;
@@ -137,13 +138,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     } else {
         None
     };
-    if let (Some(file), Some(predicted)) = (&arguments.plot, &predicted) {
-        for band in &predicted.bands {
-            let title = format!("{}, {}: 95 % of the traces", scene.name, band.channel);
-            let picture = report::band_picture(band, &title);
-            picture::save(&named_for(file, &band.channel), &picture)?;
-        }
-    }
+    arguments.plot.save(|| match &predicted {
+        Some(predicted) => report::bands_picture(&predicted.bands, &scene.name),
+        None => first.map_or_else(String::new, |shot| report::shot_picture(&shot, &scene.name)),
+    })?;
     // As it was typed.
     let recording = arguments.output.as_ref().unwrap_or(&file).display().to_string();
     tell(arguments, &summaries, &surveys, predicted.as_ref(), &recording)
@@ -187,20 +185,6 @@ fn tell(
         super::print(&format!("  recording   {recording}"))?;
     }
     Ok(())
-}
-
-/// The pictures of `--plot`, one for each channel.
-fn pictures(arguments: &Arguments, scene: &Scene) -> Vec<PathBuf> {
-    let channels = 1..=scene.scope.model.channels;
-    let named = |file: &PathBuf| channels.map(|n| named_for(file, &format!("CH{n}"))).collect();
-    arguments.plot.as_ref().map(named).unwrap_or_default()
-}
-
-/// `FILE-CH1.svg` for `FILE.svg`.
-fn named_for(file: &Path, channel: &str) -> PathBuf {
-    let part =
-        |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
-    file.with_file_name(format!("{}-{channel}.{}", part(file.file_stem()), part(file.extension())))
 }
 
 /// The problem with a step or tolerance by hand, and a working one.

@@ -10,10 +10,6 @@ use crate::analysis::time_frequency::{Pieces, Spectrogram};
 use crate::measurement::metadata;
 use crate::report::spectrogram::{SpectrogramPage, svg, text};
 
-/// Without a segment given, pieces are this part of the record.
-const PIECES_PER_RECORD: usize = 16;
-/// Without a hop given, pieces move on by this part of themselves.
-const HOPS_PER_PIECE: usize = 8;
 /// Without a highest frequency or band edges, the map ends at this share of half the sampling frequency (1).
 const SHOWN_SHARE: f64 = 0.25;
 /// With band edges it ends at this multiple of the highest (1).
@@ -24,10 +20,11 @@ const BAND_MARGIN: f64 = 1.5;
 pub struct Arguments {
     #[command(flatten)]
     signal: SignalArguments,
-    /// Length of a segment, e.g. 200us: it resolves frequencies 1/length apart [default: a sixteenth of the record]
+    /// Length of a segment, e.g. 200us: it resolves frequencies 1/length apart [default: a sixteenth of the record, or
+    /// what it takes to see the band gap between f1 and f2]
     #[arg(long, value_name = "T", value_parser = time)]
     segment: Option<f64>,
-    /// Time from one segment to the next [default: an eighth of a segment]
+    /// Time from one segment to the next [default: a thirty-second part of a segment]
     #[arg(long, value_name = "T", value_parser = time)]
     hop: Option<f64>,
     /// The window function of each segment
@@ -40,26 +37,27 @@ pub struct Arguments {
     plot: PlotArguments,
 }
 
-fn samples(time: Option<f64>, interval: f64, otherwise: usize) -> usize {
-    time.map_or(otherwise, |time| (time / interval).round() as usize)
-}
-
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     arguments.plot.check()?;
     let (set, (trace, site, offset)) = arguments.signal.read()?;
     let gate = arguments.signal.gate();
     let length = gate.range(&trace).len();
-    let segment = samples(arguments.segment, trace.interval, (length / PIECES_PER_RECORD).max(2));
-    let hop = samples(arguments.hop, trace.interval, (segment / HOPS_PER_PIECE).max(1));
+    let scene = metadata::scene_of(&set, arguments.signal.shot()).and_then(Result::ok);
+    let chain = site.zip(scene).and_then(|(site, scene)| metadata::cell(&scene, site));
+    let gap = chain.map(|chain| chain.gap_top() - chain.gap_bottom());
+    let in_samples = |time: f64| (time / trace.interval).round() as usize;
+    let mut pieces = Pieces::of_record(length, trace.interval, gap);
+    if let Some(segment) = arguments.segment.map(in_samples) {
+        pieces = Pieces::moving_on(segment);
+    }
+    pieces.hop = arguments.hop.map_or(pieces.hop, in_samples);
     let settings = SpectrumSettings {
         window: arguments.window.window(),
         gate,
         offset,
         ..SpectrumSettings::default()
     };
-    let map = Spectrogram::of(&mut Analyser::new(), &trace, &settings, Pieces { segment, hop })?;
-    let scene = metadata::scene_of(&set, arguments.signal.shot()).and_then(Result::ok);
-    let chain = site.zip(scene).and_then(|(site, scene)| metadata::cell(&scene, site));
+    let map = Spectrogram::of(&mut Analyser::new(), &trace, &settings, pieces)?;
     let highest =
         chain.map_or(SHOWN_SHARE * 0.5 / trace.interval, |chain| BAND_MARGIN * chain.cutoff());
     let title = arguments.signal.title(&trace);
@@ -78,8 +76,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         "unit": first.map(|column| &column.unit),
         "convention": first.map(|column| column.convention.to_string()),
         "window": first.map(|column| column.window.to_string()),
-        "segment_samples": segment,
-        "hop_samples": hop,
+        "segment_samples": pieces.segment,
+        "hop_samples": pieces.hop,
         "step_hz": first.map(|column| column.step),
         "resolution_hz": first.map(|column| column.resolution),
         "f1_hz": page.chain.map(|chain| chain.gap_bottom()),

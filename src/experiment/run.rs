@@ -18,8 +18,6 @@ use crate::scene::{Scene, Site};
 use crate::scope::acquire::TriggerPosition;
 use crate::scope::front_end::noise_stream;
 
-/// Frames of the film over a scene's duration.
-pub(crate) const FRAMES_PER_RUN: f64 = 200.0;
 /// Samples kept before the earliest that a record can need.
 const SPARE_SAMPLES: f64 = 20.0;
 /// Stream of the sample clock's phase; channels use 1 to 4.
@@ -75,7 +73,7 @@ pub(crate) fn free_grid(scene: &Scene, shot: u32, interval: f64, before: f64) ->
 
 /// The times of a scene's frames.
 pub(crate) fn film_grid(scene: &Scene) -> Grid {
-    Grid { start: 0.0, interval: scene.duration / FRAMES_PER_RUN }
+    Grid { start: 0.0, interval: scene.duration / f64::from(scene.frames) }
 }
 
 /// The bench of `scene`, its bodies let go at `velocities` (m/s): forces are watched at the sensors, in their order, and last at the wall if

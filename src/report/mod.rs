@@ -8,6 +8,7 @@ pub mod certificate;
 mod chart;
 mod comparison;
 mod contents;
+mod dark;
 pub mod dispersion;
 pub mod document;
 mod dot_chart;
@@ -42,6 +43,7 @@ pub use budget_picture::budget_picture;
 pub use chart::chart;
 pub use comparison::{comparison, comparison_facts, comparison_parts};
 pub use contents::{contents, contents_after, contents_before, contents_of};
+pub use dark::on_dark;
 pub use dispersion::{bands, bands_curve};
 pub use effects::{effects, effects_svg};
 pub use fit::{blind, fit, fit_parts};
@@ -56,7 +58,7 @@ pub use summary::summary;
 pub use sweep::{gathering, sweep};
 pub use tunability::{transmitted, tunability, tunability_svg};
 pub use uncertainty::{
-    band_picture, normalised_error_lines, prediction_intervals, uncertainty_budget,
+    bands_picture, normalised_error_lines, prediction_intervals, shot_picture, uncertainty_budget,
 };
 pub use work_precision::{WorkMeasure, work_precision, work_precision_svg};
 

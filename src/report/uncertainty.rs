@@ -1,14 +1,16 @@
 //! Intervals, bands and budgets of uncertain scenes, and normalised errors, as pages of text and pictures.
 
-use super::chart::{Under, chart_over};
+use super::chart::{Under, charts_over};
 use super::number::with_expanded;
 use super::plot::{Curve, Label};
 use super::table;
 use super::text::hanging_indent;
 use crate::quantity::{Dimension, Uncertain, engineering};
+use crate::recording::{Capture, Shot};
 use crate::studies::uncertainty::{
     InputShare, NormalisedError, OutputInterval, TraceBand, UncertainPrediction,
 };
+use crate::trace::Trace;
 
 /// Inputs with a smaller share than this are counted together (1).
 const LISTED_SHARE: f64 = 0.01;
@@ -111,20 +113,35 @@ fn budget_lines(output: &OutputInterval) -> Vec<String> {
     lines
 }
 
-/// A channel's band with its nominal trace, as a picture.
-pub fn band_picture(band: &TraceBand, title: &str) -> String {
-    let time = |index: usize| band.start_s + index as f64 * band.interval_s;
-    let points = |values: &[f64]| -> Vec<(f64, f64)> {
-        values.iter().enumerate().map(|(index, volts)| (time(index), *volts)).collect()
+/// All channels with their bands, as a picture.
+pub fn bands_picture(bands: &[TraceBand], title: &str) -> String {
+    let panel = |band: &TraceBand| {
+        let time = |index: usize| band.start_s + index as f64 * band.interval_s;
+        let points = |values: &[f64]| -> Vec<(f64, f64)> {
+            values.iter().enumerate().map(|(index, volts)| (time(index), *volts)).collect()
+        };
+        let edges = vec![points(&band.low_v), points(&band.high_v)];
+        (
+            voltage(&band.channel, points(&band.nominal_v)),
+            vec![Under::new("95 % of the traces", edges)],
+        )
     };
-    let curve = Curve {
-        points: points(&band.nominal_v),
-        marks: Vec::new(),
-        x: Label::new("time after the trigger", "s"),
-        y: Label::new("voltage", "V"),
+    charts_over(&bands.iter().map(panel).collect::<Vec<_>>(), title)
+}
+
+/// What the scope recorded of a shot, as a picture.
+pub fn shot_picture(shot: &Shot, title: &str) -> String {
+    let traces = shot.captures.iter().filter_map(Capture::trace);
+    let panel = |trace: Trace| {
+        let points = trace.values.iter().enumerate().map(|(i, volts)| (trace.time(i), *volts));
+        (voltage(&trace.name, points.collect()), Vec::new())
     };
-    let edges = vec![points(&band.low_v), points(&band.high_v)];
-    chart_over(&curve, &[Under::new("95 % of the traces", edges)], title)
+    charts_over(&traces.map(panel).collect::<Vec<_>>(), title)
+}
+
+fn voltage(channel: &str, points: Vec<(f64, f64)>) -> Curve {
+    let (x, y) = (Label::new("time after the trigger", "s"), Label::new(channel, "V"));
+    Curve { points, marks: Vec::new(), x, y }
 }
 
 /// Normalised errors as lines of `compare`.
@@ -167,7 +184,7 @@ mod tests {
             high_v: wave(0.5),
             clipped_share: 0.0,
         };
-        let svg = band_picture(&band, "a band");
+        let svg = bands_picture(&[band], "a band");
         let area = svg.lines().find(|line| line.contains("Z\"")).expect("an area");
         let places =
             area.split(['M', 'L']).filter_map(|place| place.split('Z').next()?.split_once(' '));

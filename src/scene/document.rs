@@ -129,7 +129,10 @@ impl Node {
             Value::Flag(flag) => flag.to_string(),
             Value::Date(date) => format!("the date {date}"),
             Value::List(items) => format!("a list of {}", items.len()),
-            Value::Table(_) => "a table".to_owned(),
+            Value::Table(entries) => match entries.keys().next() {
+                Some(key) => format!("a table with `{key}`"),
+                None => "an empty table".to_owned(),
+            },
         }
     }
 

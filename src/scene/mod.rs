@@ -61,6 +61,9 @@ const FREE_FALL: f64 = 9.81;
 const NOTED_WEIGHT_SHARE: f64 = 0.1;
 /// Largest seed that a scene may name: whole numbers up to here are exact however a file is read.
 const MAX_SEED: u64 = (1 << 53) - 1;
+/// How many frames of a run may be kept, and how many are.
+pub const FRAMES: std::ops::RangeInclusive<u32> = 2..=50_000;
+const DEFAULT_FRAMES: u32 = 200;
 
 /// A checked scene: everything a run needs.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,6 +90,8 @@ pub struct Scene {
     pub scope: Setup,
     /// How long the bench is watched after the striker's first contact (s).
     pub duration: f64,
+    /// How often in that time the forces of all contacts and the displacements of all bodies are kept (1).
+    pub frames: u32,
     /// Relative error tolerated in first-peak forces and times; none where it follows from the scope (1).
     pub accuracy: Option<f64>,
     /// Seed of everything random.
@@ -173,6 +178,7 @@ fn read(
     let _ = root.text("base");
     let title = root.text("title").unwrap_or(&name).to_owned();
     let duration = root.required("duration", Dimension::TIME, Bound::Positive);
+    let frames = root.count("frames", u64::from(*FRAMES.start()), u64::from(*FRAMES.end()));
     let accuracy = accuracy(&root);
     let seed = root.count("seed", 0, MAX_SEED).unwrap_or(0);
     let moving = moving(&root, problems);
@@ -211,6 +217,7 @@ fn read(
         sensors,
         scope: scope?,
         duration: duration?,
+        frames: frames.map_or(DEFAULT_FRAMES, |frames| frames as u32),
         accuracy,
         seed,
         auto: moving.auto,

@@ -54,7 +54,7 @@ impl<'a> TableReader<'a> {
                 Some(("effects", _)) => {
                     format!("a table [{path}], or `{path} = false` to switch the effect off")
                 }
-                _ => "a table".to_owned(),
+                _ => format!("a table [{path}]"),
             };
             problems.push(node.place.problem(path, node.describe(), expected));
             return None;

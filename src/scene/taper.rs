@@ -1,6 +1,7 @@
 //! Rows of a chain whose repetitions differ in size: `diameter = { from, to }`, in even steps, or `factor`, each so many times as large
 //! as the one before. A body scales as a whole: its length with the size, its mass with the cube.
 
+use super::document::Value;
 use super::reader::{Bound, TableReader};
 use crate::quantity::Dimension;
 
@@ -28,6 +29,11 @@ pub(super) fn sizes(
     if !tapers {
         let _ = (segment.node("diameter"), segment.node("factor"));
         return Some(Vec::new());
+    }
+    let node = segment.node("diameter")?;
+    if !matches!(node.value, Value::Table(_)) {
+        segment.problem("diameter", node.describe(), "{ from = \"10 mm\", to = \"5 mm\" }");
+        return None;
     }
     let table = segment.table("diameter")?;
     let end = |key| table.required(key, Dimension::LENGTH, Bound::LENGTH);

@@ -13,10 +13,6 @@ use crate::measurement::metadata::{self, RecordedSensor};
 use crate::scope::Source;
 use crate::trace::Trace;
 
-/// Pieces of the map are this part of the record.
-const PIECES_PER_RECORD: usize = 16;
-/// They move on by this part of themselves.
-const HOPS_PER_PIECE: usize = 8;
 /// Spectra of records longer than this are made of every second, third, ... sample: a terminal shows no more.
 const MAX_SPECTRUM_SAMPLES: usize = 20_000;
 
@@ -72,7 +68,8 @@ impl ScreenState {
             derived.spectrum = Some(trace.clone().and_then(|trace| spectrum(&trace)));
         }
         if self.page == Page::Map {
-            derived.map = Some(trace.and_then(|trace| map(&trace)));
+            let gap = derived.chain.map(|chain| chain.gap_top() - chain.gap_bottom());
+            derived.map = Some(trace.and_then(|trace| map(&trace, gap)));
         }
         if self.side == SidePanel::Measurements {
             derived.readings = self.readings();
@@ -107,9 +104,8 @@ fn spectrum(trace: &Trace) -> Result<Spectrum, String> {
     Analyser::new().spectrum(trace, &settings).map_err(|error| error.to_string())
 }
 
-fn map(trace: &Trace) -> Result<Spectrogram, String> {
-    let segment = (trace.values.len() / PIECES_PER_RECORD).max(2);
-    let pieces = Pieces { segment, hop: (segment / HOPS_PER_PIECE).max(1) };
+fn map(trace: &Trace, gap: Option<f64>) -> Result<Spectrogram, String> {
+    let pieces = Pieces::of_record(trace.values.len(), trace.interval, gap);
     let settings = SpectrumSettings {
         offset: mean(trace),
         window: Window::Hann,

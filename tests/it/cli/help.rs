@@ -67,16 +67,36 @@ fn what_is_typed_wrong_is_refused() {
     assert_eq!(files(folder.path()), [""; 0]);
 }
 
+/// The script asks the program with the words typed so far and the place of the one to be completed, as bash has them in `COMP_CWORD`.
 #[test]
-fn completions_know_every_subcommand() {
+fn completions_know_commands_scenes_and_recordings() {
     let folder = temporary();
     for shell in ["bash", "zsh", "fish"] {
-        let script = printed(folder.path(), &["completions", shell]);
-        for (command, _) in SUBCOMMANDS {
-            says(&script, &[command]);
-        }
-        says(&script, &["accuracy", "hertzscope"]);
+        says(
+            &printed(folder.path(), &["completions", shell]),
+            &["HERTZSCOPE_COMPLETE", "hertzscope"],
+        );
     }
+    for file in ["day.mcap", "mine.toml", "notes.txt"] {
+        std::fs::write(folder.path().join(file), "").expect("a file");
+    }
+    let offered = |words: &[&str]| {
+        let mut asked = assert_cmd::Command::cargo_bin("hertzscope").expect("the program");
+        asked.current_dir(folder.path()).env("HERTZSCOPE_COMPLETE", "bash");
+        asked.env("_CLAP_COMPLETE_INDEX", words.len().to_string());
+        asked.env("_CLAP_IFS", "\n").args(["--", "hertzscope"]).args(words);
+        let output = asked.output().expect("the program runs").stdout;
+        String::from_utf8(output).expect("text").lines().map(str::to_owned).collect::<Vec<_>>()
+    };
+    let all = offered(&[""]);
+    for (command, _) in SUBCOMMANDS {
+        assert!(all.iter().any(|word| word == command), "{command} in {all:?}");
+    }
+    assert_eq!(offered(&["run", "magnet-1"]), ["magnet-1.22g", "magnet-17.81g"]);
+    assert_eq!(offered(&["run", "m"])[0], "mine.toml");
+    assert_eq!(offered(&["arrivals", "d"]), ["day.mcap"]);
+    assert_eq!(offered(&["arrivals", "m"]), [""; 0]);
+    assert!(offered(&["view", ""]).starts_with(&["day.mcap".to_owned(), "mine.toml".to_owned()]));
 }
 
 #[test]

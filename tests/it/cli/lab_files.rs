@@ -356,10 +356,7 @@ fn files_that_exist_are_kept() {
         (&["spectrum", "stick", "--plot", "p.svg"], "p.svg"),
         (&["bands", "--plot", "b.svg"], "b.svg"),
         (&["magnet", "--plot", "m.svg"], "m.svg"),
-        (
-            &["run", "-q", "-o", "r.mcap", "--bands", "--samples", "20", "--plot", "z.svg"],
-            "z-CH2.svg",
-        ),
+        (&["run", "-q", "-o", "r.mcap", "--bands", "--samples", "20", "--plot", "z.svg"], "z.svg"),
     ];
     for (arguments, name) in commands {
         std::fs::write(path.join(name), "mine").expect("a file");

@@ -1,6 +1,6 @@
 //! Pictures in both formats, and the folder that `paper` fills.
 
-use super::{files, hertzscope, printed, refused, says, temporary};
+use super::{QUICK, files, hertzscope, printed, refused, says, temporary};
 
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 
@@ -16,6 +16,26 @@ fn plots_are_svg_or_png_by_their_ending() {
     let words = refused(folder.path(), &["bands", "--plot", "gap.jpg"]);
     says(&words, &["gap.jpg", "expected a name that ends in .svg or .png"]);
     assert_eq!(files(folder.path()), ["gap.png", "gap.svg"]);
+}
+
+/// A run's picture has all channels; on dark its hues stay, white and black change places.
+#[test]
+fn runs_are_drawn_light_and_dark() {
+    let folder = temporary();
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("an SVG");
+    printed(folder.path(), &[&["run", "-q", "--plot", "light.svg"][..], &QUICK].concat());
+    let dark = ["run", "-q", "--plot", "dark.svg", "--dark", "--bands", "--samples", "20"];
+    printed(folder.path(), &dark);
+    for (name, ground, other) in [
+        ("light.svg", "fill=\"#ffffff\"", "fill=\"rgb(16,16,16)\""),
+        ("dark.svg", "fill=\"rgb(16,16,16)\"", "fill=\"#ffffff\""),
+    ] {
+        let svg = read(name);
+        says(&svg, &["CH1 (V)", "CH2 (V)", "CH3 (V)", "CH4 (V)", ground]);
+        assert!(!svg.contains(other), "{name}");
+        assert_eq!(svg.contains("95 % of the traces"), name == "dark.svg");
+    }
+    says(&hertzscope(folder.path(), &["run", "--dark"]).stderr, &["--plot"]);
 }
 
 #[test]

@@ -44,6 +44,25 @@ fn shots_come_in_their_order() {
     assert!(of("timestamp_ns").is_sorted());
 }
 
+/// As many frames as asked for, over the scene's 2.25 ms and the rest of the record; sensors' forces stay at the scope's samples.
+#[test]
+fn frames_are_kept_as_asked() {
+    let folder = temporary();
+    let samples = |frames: &str, signal: &str| {
+        let asked = [&["run", "-q", "-o", "f.mcap", "--frames", frames][..], &QUICK].concat();
+        printed(folder.path(), &asked);
+        let asked = ["spectrum", "f.mcap", "--truth", signal, "--json"];
+        let found: Value = serde_json::from_str(&printed(folder.path(), &asked)).expect("JSON");
+        found["samples"].as_u64().expect("a number")
+    };
+    for (frames, wanted) in [("50", 50), ("2000", 2000)] {
+        let found = samples(frames, "contact/12");
+        assert!((wanted..=wanted + wanted / 5).contains(&found), "{frames}: {found}");
+    }
+    assert_eq!(samples("50", "p14"), samples("2000", "p14"));
+    says(&hertzscope(folder.path(), &["run", "--frames", "1"]).stderr, &["2..=50000"]);
+}
+
 #[test]
 fn a_second_run_overwrites_nothing() {
     let folder = temporary();

@@ -54,7 +54,7 @@ fn what_cannot_be_tapered_is_refused() {
         (format!("particles = [\"ball\"]\n{taper}"), "a single row", "repeat"),
         (format!("{one}factor = 0"), "0", "above zero"),
         (format!("{one}factor = 1e-9"), "e-20 m", "a length"),
-        (format!("{one}diameter = \"5 mm\""), "5 mm", "a table"),
+        (format!("{one}diameter = \"5 mm\""), "5 mm", "from = "),
         (format!("{one}diameter = {{ from = \"10 mm\" }}"), "missing", "length"),
         (
             format!("{one}diameter = {{ from = \"10 mm\", to = \"5 mm\", by = 3 }}"),
