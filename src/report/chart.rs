@@ -2,7 +2,6 @@
 
 use super::plot::{Curve, Label, PointSet};
 use super::sheet::{Axis, Plot, Polyline, Sheet, Stroke, sheet_svg};
-use crate::quantity::engineering;
 
 /// Points of a line in order (unit).
 pub type PlotLine = Vec<(f64, f64)>;
@@ -15,8 +14,6 @@ const NAME_HEIGHT: f64 = 16.0 / SIZE.1;
 const NAME_DISTANCE: f64 = 4.0 / SIZE.0;
 /// Room above and below a curve, as a share of its height (1).
 const PADDING: f64 = 0.04;
-/// Units that take no prefix.
-const WITHOUT_PREFIX: [&str; 3] = ["", "dB", "rad"];
 const CURVE_COLOUR: &str = "#1060b0";
 const BACKGROUND_COLOUR: &str = "#909090";
 const MARK_COLOUR: &str = "#c04020";
@@ -100,25 +97,8 @@ pub fn chart_with_points(
     picture(title, plot)
 }
 
-/// An axis with round numbers in one unit, whose prefix fits the larger end.
-pub(super) fn axis(label: &Label, (from, to): (f64, f64)) -> Axis {
-    let (scale, unit) = prefixed(from.abs().max(to.abs()), &label.unit);
-    let words =
-        if unit.is_empty() { label.name.clone() } else { format!("{} ({unit})", label.name) };
-    let shown = Axis::linear(&words, from / scale, to / scale);
-    let ticks = shown.ticks.into_iter().map(|(place, name)| (place * scale, name)).collect();
-    Axis { from, to, ticks, ..shown }
-}
-
-/// The unit with an SI prefix, such that `size` has one to three digits before the point, and what it stands for (unit).
-fn prefixed(size: f64, unit: &str) -> (f64, String) {
-    let group = 3 * (size.log10() / 3.0).floor().clamp(-4.0, 4.0) as i32;
-    if WITHOUT_PREFIX.contains(&unit) || size == 0.0 {
-        return (1.0, unit.to_owned());
-    }
-    let scale = 10f64.powi(group);
-    let one = engineering(scale, unit, 1);
-    (scale, one.trim_start_matches("1 ").to_owned())
+fn axis(label: &Label, range: (f64, f64)) -> Axis {
+    Axis::prefixed(&label.name, &label.unit, range)
 }
 
 fn line(points: &[(f64, f64)], colour: &'static str, stroke: Stroke) -> Polyline {

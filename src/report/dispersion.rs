@@ -56,8 +56,7 @@ impl DispersionPage {
 
     /// The picture.
     pub fn svg(&self) -> String {
-        let labels = [Label::new("phase per cell, k a", "rad"), Label::new("frequency", "Hz")];
-        chart::chart_with_points(&self.branches(), &self.clouds(), &self.title, &labels)
+        chart::chart_with_points(&self.branches(), &self.clouds(), &self.title, &labels())
     }
 
     /// The page.
@@ -100,19 +99,18 @@ impl DispersionPage {
         }));
         page.extend(table::lines(&rows, &[5]));
         page.push(String::new());
-        page.extend(scatter(
-            &self.branches(),
-            &self.clouds(),
-            "frequency over k a from 0 to π",
-            &hertz,
-        ));
+        page.extend(scatter(&self.branches(), &self.clouds(), &labels()));
         page.push(
-            "  note        on the optical branch phase and energy run against each other"
+            "  note        on the optical branch phase and energy travel in opposite directions"
                 .to_owned(),
         );
         page.push("  note        theory is that of small signals; a wave as strong as the preload stiffens the contacts and runs above it".to_owned());
         page.join("\n")
     }
+}
+
+fn labels() -> [Label; 2] {
+    [Label::new("phase per cell, k a", "rad"), Label::new("frequency", "Hz")]
 }
 
 /// The gap's lower edge over the preload, or without a gap the cut-off.
@@ -153,7 +151,6 @@ pub fn bands(title: &str, rows: &[(f64, DiatomicChain)], now: f64) -> String {
     let mut page = vec![title.to_owned()];
     page.extend(table::lines(&lines, &[5]));
     page.push(String::new());
-    let newtons = |force: f64| engineering(force, "N", 3);
-    page.extend(braille(&bands_curve(rows, now), &newtons, &hertz));
+    page.extend(braille(&bands_curve(rows, now)));
     page.join("\n")
 }

@@ -79,10 +79,7 @@ pub fn forces(found: &[Forces], problems: &[String]) -> String {
     lines.extend(problems.iter().map(|problem| format!("  note  {problem}")));
     if let Some(first) = found.first() {
         lines.push(String::new());
-        let (seconds, newtons) =
-            (|time: f64| engineering(time, "s", 4), |force: f64| engineering(force, "N", 3));
-        lines.push(format!("  {}", first.force.name));
-        lines.extend(braille(&force_curve(first), &seconds, &newtons));
+        lines.extend(braille(&force_curve(first)));
     }
     lines.join("\n")
 }

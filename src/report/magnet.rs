@@ -91,8 +91,7 @@ impl MagnetPage {
             lines.extend(self.place_lines());
         }
         lines.push(String::new());
-        let metres = |distance: f64| engineering(distance, "m", 4);
-        lines.extend(braille(&self.curve(), &metres, &|force| engineering(force, "N", 3)));
+        lines.extend(braille(&self.curve()));
         lines.join("\n")
     }
 

@@ -1,5 +1,8 @@
 //! Curves in a terminal: Braille characters, two dots across and four down in each.
 
+use super::sheet::Axis;
+use crate::quantity::engineering;
+
 /// Characters across and down.
 const PLOT_SIZE: (usize, usize) = (72, 14);
 /// Dots in a character.
@@ -56,12 +59,8 @@ fn spread((low, high): (f64, f64)) -> (f64, f64) {
     if high > low { (low, high) } else { (low.min(0.0), low.max(0.0) + 1.0) }
 }
 
-/// The curve as lines of text; `label` puts a value of `x` and of `y` into words.
-pub fn braille(
-    curve: &Curve,
-    label_x: &dyn Fn(f64) -> String,
-    label_y: &dyn Fn(f64) -> String,
-) -> Vec<String> {
+/// The curve as lines of text.
+pub fn braille(curve: &Curve) -> Vec<String> {
     let ((left, right), (bottom, top)) = curve.bounds();
     let mut canvas = Canvas::new();
     let place = |x: f64| share(x, left, right, PLOT_SIZE.0 * DOTS_PER_CELL.0);
@@ -77,24 +76,47 @@ pub fn braille(
         let [(x0, y0), (x1, y1)] = [pair[0], pair[1]].map(|(x, y)| (place(x), height(y)));
         canvas.line((x0, y0), (x1, y1));
     }
-    let labels = [label_y(top), label_y(bottom)];
-    let margin = labels.iter().map(|l| l.chars().count()).max().unwrap_or(0);
-    let rows = canvas.rows();
-    let last = rows.len().saturating_sub(1);
-    let mut lines = vec![format!("  {}", curve.y.name)];
-    for (index, row) in rows.into_iter().enumerate() {
-        let label = match index {
-            0 => labels[0].as_str(),
-            _ if index == last => labels[1].as_str(),
-            _ => "",
-        };
-        lines.push(format!("  {label:>margin$} │{row}").trim_end().to_owned());
+    let axis = |label: &Label, range| Axis::prefixed(&label.name, &label.unit, range);
+    let (x, y) = (axis(&curve.x, (left, right)), axis(&curve.y, (bottom, top)));
+    let mut lines = framed(&canvas.rows(), &x, &y);
+    let marks = curve.marks.iter();
+    lines.extend(
+        marks.map(|(x, name)| format!("  ┊ {name}: {}", engineering(*x, &curve.x.unit, 4))),
+    );
+    lines
+}
+
+/// Rows of characters, from above, with both axes and their round numbers.
+pub(super) fn framed(rows: &[String], x: &Axis, y: &Axis) -> Vec<String> {
+    let across = rows.first().map_or(0, |row| row.chars().count());
+    let cell = |axis: &Axis, value: f64, cells: usize| {
+        let cell = (axis.share(value) * cells as f64) as usize;
+        cell.min(cells.saturating_sub(1))
+    };
+    let names = y.ticks.iter().map(|(value, name)| (cell(y, *value, rows.len()), name));
+    let names: Vec<(usize, &String)> = names.collect();
+    let margin = names.iter().map(|(_, name)| name.chars().count()).max().unwrap_or(0);
+    let mut lines = vec![format!("  {}", y.label)];
+    for (index, row) in rows.iter().enumerate() {
+        let named = names.iter().find(|(from_below, _)| from_below + index + 1 == rows.len());
+        let (name, edge) = named.map_or(("", '│'), |(_, name)| (name.as_str(), '┤'));
+        lines.push(format!("  {name:>margin$} {edge}{row}").trim_end().to_owned());
     }
-    lines.push(format!("  {:margin$} └{}", "", "─".repeat(PLOT_SIZE.0)));
-    let (start, end) = (label_x(left), format!("{} {}", label_x(right), curve.x.name));
-    let gap = PLOT_SIZE.0.saturating_sub(start.chars().count() + end.chars().count());
-    lines.push(format!("  {:margin$}  {start}{}{end}", "", " ".repeat(gap.max(1))));
-    lines.extend(curve.marks.iter().map(|(x, name)| format!("  ┊ {name}: {}", label_x(*x))));
+    let (mut edge, mut below) = (vec!['─'; across], String::new());
+    for (value, name) in &x.ticks {
+        let at = cell(x, *value, across);
+        let start = at.saturating_sub(name.chars().count() / 2);
+        let end = below.chars().count();
+        if end == 0 || start > end {
+            edge[at] = '┬';
+            below.push_str(&" ".repeat(start - end));
+            below.push_str(name);
+        }
+    }
+    let edge: String = edge.into_iter().collect();
+    lines.push(format!("  {:margin$} └{edge}", ""));
+    lines.push(format!("  {:margin$}  {below}", "").trim_end().to_owned());
+    lines.push(format!("  {:margin$}  {:^across$}", "", x.label).trim_end().to_owned());
     lines
 }
 
@@ -118,8 +140,7 @@ pub struct PointSet<'a> {
 pub fn scatter(
     curves: &[Vec<(f64, f64)>],
     clouds: &[PointSet<'_>],
-    label: &str,
-    label_y: &dyn Fn(f64) -> String,
+    labels: &[Label; 2],
 ) -> Vec<String> {
     let points = curves.iter().chain(clouds.iter().map(|cloud| &cloud.points)).flatten();
     let (right, top) = points.fold((0.0, 0.0), |(x, y): (f64, f64), p| (x.max(p.0), y.max(p.1)));
@@ -141,23 +162,9 @@ pub fn scatter(
         canvas.line((x.saturating_sub(1), y), (x + 1, y));
         canvas.line((x, y.saturating_sub(1)), (x, y + 1));
     }
-    let labels = [label_y(top), label_y(0.0)];
-    let margin = labels.iter().map(|l| l.chars().count()).max().unwrap_or(0);
-    let rows = canvas.rows();
-    let last = rows.len().saturating_sub(1);
-    let mut lines = vec![format!("  {label}")];
-    for (index, row) in rows.into_iter().enumerate() {
-        let label = if index == 0 {
-            labels[0].as_str()
-        } else if index == last {
-            labels[1].as_str()
-        } else {
-            ""
-        };
-        lines.push(format!("  {label:>margin$} │{row}").trim_end().to_owned());
-    }
-    lines.push(format!("  {:margin$} └{}", "", "─".repeat(PLOT_SIZE.0)));
-    lines
+    let [x, y] = [(&labels[0], right), (&labels[1], top)]
+        .map(|(label, end)| Axis::prefixed(&label.name, &label.unit, (0.0, end)));
+    framed(&canvas.rows(), &x, &y)
 }
 
 struct Canvas(Vec<Vec<u32>>);

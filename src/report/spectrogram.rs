@@ -1,8 +1,8 @@
 //! A time-frequency map as characters and as a picture: time to the right, frequency upward, 60 dB from the highest to nothing.
 
 use super::chart;
-use super::plot::Label;
-use super::sheet::{Plot, ShadedMap};
+use super::plot;
+use super::sheet::{Axis, Plot, ShadedMap};
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::time_frequency::Spectrogram;
 use crate::quantity::engineering;
@@ -66,8 +66,11 @@ impl SpectrogramPage {
         edges.map(|(name, frequency)| (frequency, name)).collect()
     }
 
-    fn span(&self) -> [f64; 2] {
-        [self.map.times.first(), self.map.times.last()].map(|time| time.copied().unwrap_or(0.0))
+    fn axes(&self) -> [Axis; 2] {
+        let end = |time: Option<&f64>| time.copied().unwrap_or(0.0);
+        let span = (end(self.map.times.first()), end(self.map.times.last()));
+        let time = Axis::prefixed("time", "s", span);
+        [time, Axis::prefixed("frequency", "Hz", (0.0, self.highest))]
     }
 }
 
@@ -90,28 +93,22 @@ pub fn text(page: &SpectrogramPage) -> String {
         .iter()
         .filter_map(|(f, name)| Some((page.row(*f, MAP_SIZE.1)?, format!("{name} {}", hertz(*f)))))
         .collect();
-    for (row, amplitudes) in cells.iter().enumerate().rev() {
-        let shade = |db: &f64| {
-            let share = 1.0 + db / DYNAMIC_RANGE;
-            SHADES[((share * SHADES.len() as f64) as usize).min(SHADES.len() - 1)]
-        };
-        let line: String = amplitudes.iter().map(shade).collect();
-        let names: Vec<&str> =
-            edge_rows.iter().filter(|(r, _)| *r == row).map(|(_, name)| name.as_str()).collect();
-        let label = match row {
-            _ if row + 1 == MAP_SIZE.1 => hertz(page.highest),
-            0 => "0".to_owned(),
-            _ => String::new(),
-        };
-        lines.push(format!("  {label:>9} │{line}│ {}", names.join(", ")).trim_end().to_owned());
-    }
-    let [from, to] = page.span().map(|time| engineering(time, "s", 4));
-    let gap = MAP_SIZE.0.saturating_sub(from.chars().count() + to.chars().count());
-    lines.push(format!("  {:9} └{}┘", "", "─".repeat(MAP_SIZE.0)));
-    lines.push(format!("  {:9}  {from}{}{to}", "", " ".repeat(gap)));
+    let shade = |db: &f64| {
+        let share = 1.0 + db / DYNAMIC_RANGE;
+        SHADES[((share * SHADES.len() as f64) as usize).min(SHADES.len() - 1)]
+    };
+    let rows: Vec<String> =
+        cells.iter().rev().map(|amplitudes| amplitudes.iter().map(shade).collect()).collect();
+    let [x, y] = page.axes();
+    let framed = plot::framed(&rows, &x, &y);
+    // An edge's name stands beside its row; the frame's first line is the ordinate's label.
+    lines.extend(framed.into_iter().enumerate().map(|(index, line)| {
+        let here = edge_rows.iter().filter(|(row, _)| row + index == MAP_SIZE.1);
+        let names: Vec<&str> = here.map(|(_, name)| name.as_str()).collect();
+        format!("{line}  {}", names.join(", ")).trim_end().to_owned()
+    }));
     lines.push(format!(
-        "  {:9}  each shade {:.0} dB, nothing is {DYNAMIC_RANGE:.0} dB below the highest",
-        "",
+        "  each shade {:.0} dB, nothing is {DYNAMIC_RANGE:.0} dB below the highest",
         DYNAMIC_RANGE / SHADES.len() as f64
     ));
     lines.join("\n")
@@ -123,9 +120,8 @@ pub fn svg(page: &SpectrogramPage) -> String {
     let rows = page.cells(across, MAX_CELLS.1);
     let share = |db: f64| (1.0 + db / DYNAMIC_RANGE).max(0.0);
     let column = |index: usize| rows.iter().map(|row| share(row[index])).collect();
-    let [from, to] = page.span();
-    let x = chart::axis(&Label::new("time", "s"), (from, to));
-    let y = chart::axis(&Label::new("frequency", "Hz"), (0.0, page.highest));
+    let [x, y] = page.axes();
+    let from = x.from;
     let mut plot = Plot::new("", x, y);
     for (frequency, name) in page.edges() {
         plot.lines.push(chart::level(&plot.x, frequency));

@@ -102,8 +102,7 @@ impl SpectrumPage {
         lines.push(String::new());
         lines.extend(self.peak_lines());
         lines.push(String::new());
-        let label_y = |value: f64| engineering(value, &spectrum.unit, 3);
-        lines.extend(braille(&self.curve(), &hertz, &label_y));
+        lines.extend(braille(&self.curve()));
         lines.extend(self.notes.iter().map(|note| format!("  note        {note}")));
         lines.join("\n")
     }

@@ -131,9 +131,9 @@ impl TransferPage {
         }
         lines.extend(table::lines(&rows, &[0]));
         lines.push(String::new());
-        lines.extend(braille(&self.gain_curve(0.0), &hertz, &|value| format!("{value:.0} dB")));
+        lines.extend(braille(&self.gain_curve(0.0)));
         lines.push(String::new());
-        lines.extend(braille(&self.coherence_curve(), &hertz, &|value| format!("{value:.2}")));
+        lines.extend(braille(&self.coherence_curve()));
         lines.extend(self.notes.iter().map(|note| format!("  note        {note}")));
         lines.join("\n")
     }

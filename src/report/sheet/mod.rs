@@ -4,6 +4,10 @@ mod draw;
 
 pub use draw::sheet_svg;
 
+use crate::quantity::engineering;
+
+/// Units that take no prefix.
+const WITHOUT_PREFIX: [&str; 3] = ["", "dB", "rad"];
 /// Target number of intervals on an axis.
 const TARGET_INTERVALS: f64 = 6.0;
 
@@ -38,6 +42,15 @@ impl Axis {
         Self { label: label.to_owned(), from, to, logarithmic: false, ticks }
     }
 
+    /// From `from` to `to` (unit) with the quantity `name`, round numbers in one unit, whose prefix fits the larger end.
+    pub(super) fn prefixed(name: &str, unit: &str, (from, to): (f64, f64)) -> Self {
+        let (scale, unit) = prefixed(from.abs().max(to.abs()), unit);
+        let label = if unit.is_empty() { name.to_owned() } else { format!("{name} ({unit})") };
+        let shown = Self::linear(&label, from / scale, to / scale);
+        let ticks = shown.ticks.into_iter().map(|(place, name)| (place * scale, name)).collect();
+        Self { from, to, ticks, ..shown }
+    }
+
     /// From `from` to `to` (unit), both above zero; 1, 2 and 5 of each decade named.
     pub fn logarithmic(label: &str, from: f64, to: f64) -> Self {
         let decades = (from.log10().floor() as i32)..=(to.log10().ceil() as i32);
@@ -49,7 +62,7 @@ impl Axis {
     }
 
     /// Where `value` stands between both ends (1).
-    fn share(&self, value: f64) -> f64 {
+    pub(super) fn share(&self, value: f64) -> f64 {
         if self.logarithmic {
             (value / self.from).ln() / (self.to / self.from).ln()
         } else {
@@ -135,6 +148,17 @@ pub struct Sheet {
     pub legend: Vec<Polyline>,
     /// Below all.
     pub note: String,
+}
+
+/// The unit with an SI prefix, such that `size` has one to three digits before the point, and what it stands for (unit).
+fn prefixed(size: f64, unit: &str) -> (f64, String) {
+    let group = 3 * (size.log10() / 3.0).floor().clamp(-4.0, 4.0) as i32;
+    if WITHOUT_PREFIX.contains(&unit) || size == 0.0 {
+        return (1.0, unit.to_owned());
+    }
+    let scale = 10f64.powi(group);
+    let one = engineering(scale, unit, 1);
+    (scale, one.trim_start_matches("1 ").to_owned())
 }
 
 /// Round numbers from `low` to `high`: steps of 1, 2 or 5 of a power of ten.
