@@ -24,7 +24,7 @@ const BAND_MARGIN: f64 = 1.5;
 pub struct Arguments {
     #[command(flatten)]
     signal: SignalArguments,
-    /// Length of a segment, e.g. 200us: it resolves frequencies 1/length apart [default: a sixteenth of the record]
+    /// Length of a segment, e.g. 200us; the frequency resolution is 1/length [default: a sixteenth of the record]
     #[arg(long, value_name = "T", value_parser = time)]
     segment: Option<f64>,
     /// Time from one segment to the next [default: an eighth of a segment]
