@@ -21,7 +21,7 @@ pub struct Arguments {
     /// The scope: `tcp://HOST:PORT`, `serial:/dev/ttyUSB0?baud=19200` (hard flagging), or `prologix://HOST?gpib=1`
     #[arg(value_parser = str::parse::<Address>)]
     address: Address,
-    /// The recording (.mcap), numbered if that exists; it can be read while it grows (`view FILE --follow`)
+    /// Recording to write (.mcap); if it exists, a number is appended; it can be read while it grows (`view FILE --follow`)
     #[arg(short, long, value_name = "FILE.mcap")]
     output: PathBuf,
     /// End after this many shots [default: at Ctrl-C]
@@ -30,7 +30,7 @@ pub struct Arguments {
     /// Print what was recorded as JSON
     #[arg(long)]
     json: bool,
-    /// Do not tell what is waited for
+    /// Print no status messages
     #[arg(short, long)]
     quiet: bool,
 }

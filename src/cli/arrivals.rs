@@ -19,7 +19,7 @@ use crate::report;
 /// Show when the first pulse arrived at each channel, its speed, and how well shots repeat; with uncertainties
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them, or a scope's address, which is asked for one shot
+    /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them, or a scope's address (see `acquire`) to record one shot from
     file: PathBuf,
     #[command(flatten)]
     reading: ReadingArguments,

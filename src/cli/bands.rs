@@ -21,7 +21,7 @@ pub struct Arguments {
     /// An included scene, or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
-    /// Particle in the periodic part of the chain that is meant [default: the first sensor's, else 2]
+    /// A particle in the periodic part of the chain to use [default: the first sensor's, else 2]
     #[arg(long, value_name = "N")]
     particle: Option<usize>,
     /// Lowest preload

@@ -27,7 +27,7 @@ use crate::studies::uncertainty::{NormalisedError, normalised_errors};
 /// Compare a measurement with a simulation: scores for each channel; exit code 1 where they exceed the tolerance
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them, or a scope's address (see `acquire`), which is asked for one shot
+    /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them, or a scope's address (see `acquire`) to record one shot from
     measured: PathBuf,
     /// A simulated recording, file or folder, or a scene to run (included, or a .toml file)
     simulated: String,
@@ -50,7 +50,7 @@ pub struct Arguments {
     sensor: Vec<SensorAssignment>,
     #[command(flatten)]
     selection: Selection,
-    /// Shot of a simulated recording
+    /// Shot of the simulated recording to compare with
     #[arg(long, value_name = "N", default_value_t = 1)]
     simulated_shot: u32,
     /// Write a report with plots (.md, .html), or the measurement with its scores (.mcap)

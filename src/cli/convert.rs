@@ -33,7 +33,7 @@ pub struct Arguments {
     /// tds); a picture of the first shot (.svg, .png, or the scope's own .bmp, .pcx, .tif, .eps); without extension a folder with ALL0000,
     /// ALL0001, ... as the scope writes them
     output: PathBuf,
-    /// Kind of .csv
+    /// Format of a .csv file
     #[arg(long = "as", value_name = "FORM", value_enum, default_value = "table")]
     form: Form,
     /// In a table: also the simulated (true) forces at the sensors

@@ -29,7 +29,7 @@ pub struct Arguments {
     file: PathBuf,
     #[command(flatten)]
     reading: ReadingArguments,
-    /// Particle in the periodic part of the chain that is meant [default: the first sensor's, else 2]
+    /// A particle in the periodic part of the chain to use [default: the first sensor's, else 2]
     #[arg(long, value_name = "N")]
     particle: Option<usize>,
     /// Start, e.g. 200us, after the striker's first contact

@@ -18,7 +18,7 @@ pub struct Arguments {
     /// Accuracy of the runs that are compared, 1e-11 to 0.1, or auto: what the scope can resolve [default: the scene's, else auto]
     #[arg(long, value_name = "X", value_parser = AccuracyArguments::parse, allow_hyphen_values = true)]
     accuracy: Option<AccuracyArguments>,
-    /// Add why each is on or off, with the criterion
+    /// Add the criterion by which each effect is on or off
     #[arg(long)]
     why: bool,
     #[command(flatten)]

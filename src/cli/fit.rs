@@ -46,7 +46,7 @@ pub struct Arguments {
     /// Relative standard uncertainty of each channel's gain, e.g. 3%; 0 for exact ones [default: from the scope's and the sensor's files]
     #[arg(long, value_name = "SHARE", value_parser = share)]
     gain_u: Option<f64>,
-    /// Fit no offset of the channels
+    /// Take the zeros of the channels as exact: do not fit an offset for each
     #[arg(long)]
     no_offsets: bool,
     /// Ignore samples before this time after the trigger
@@ -67,7 +67,7 @@ pub struct Arguments {
     /// Relative accuracy of the simulations
     #[arg(long, value_name = "X", default_value = "1e-7", value_parser = accuracy)]
     accuracy: f64,
-    /// Profile likelihood intervals of all parameters, not only of poorly determined ones
+    /// Compute profile-likelihood intervals of all parameters, not only of poorly determined ones
     #[arg(long)]
     profile: bool,
     /// Test the fit: simulate this many measurements with random true values; shows how many intervals contain them

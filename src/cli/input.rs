@@ -59,7 +59,7 @@ impl TableArguments {
 /// Which shots and channels of a file are meant.
 #[derive(Debug, Args)]
 pub struct Selection {
-    /// Only this shot [default: all, or 1 where one is needed]
+    /// Only this shot [default: all shots, or the first if the command uses one]
     #[arg(long, value_name = "N")]
     shot: Option<u32>,
     /// Only this channel; may be repeated

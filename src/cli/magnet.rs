@@ -19,10 +19,10 @@ pub struct Arguments {
     /// An included magnet, or the path of a magnet's file
     #[arg(default_value = "ring-15-6-6")]
     name: String,
-    /// Force whose distance is wanted, e.g. 2.38N [default: the paper's 2.38 N]
+    /// Show the distances at which the magnet exerts this force, e.g. 2.38N [default: the paper's 2.38 N]
     #[arg(long, value_name = "F", value_parser = force)]
     preload: Option<f64>,
-    /// Distance of the sphere's centre from the magnet's face whose force is wanted, e.g. 0.4mm
+    /// Show the force at this distance of the sphere's centre from the magnet's face, e.g. 0.4mm
     #[arg(long, value_name = "D", value_parser = distance, conflicts_with = "preload", allow_hyphen_values = true)]
     distance: Option<f64>,
     /// Temperature of the magnet, e.g. 40°C [default: the one its remanence is stated at]

@@ -11,7 +11,7 @@ use clap::Args;
 /// Whether files that exist may be replaced.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct OverwriteArguments {
-    /// Replace files that exist (what -o names is always replaced)
+    /// Replace existing files (a file named with -o is always replaced)
     #[arg(long)]
     force: bool,
 }

@@ -46,7 +46,7 @@ pub struct Arguments {
     /// Step of --method, e.g. 50ns
     #[arg(long, value_name = "T", value_parser = step, allow_hyphen_values = true, requires = "method", conflicts_with = "tolerance")]
     step: Option<f64>,
-    /// Error that --method may make in a step, relative to the largest change of overlap and the largest speed, e.g. 1e-8
+    /// Error allowed in each step of --method, relative to the largest change of overlap and the largest speed, e.g. 1e-8
     #[arg(long, value_name = "X", value_parser = tolerance, allow_hyphen_values = true, requires = "method")]
     tolerance: Option<f64>,
     /// Random seed of noise and sampling phase [default: the scene's]

@@ -29,16 +29,16 @@ pub struct Arguments {
     /// An included scene (`hertzscope scenes` lists them), or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
-    /// Address and port to listen on; port 0: any that is free
+    /// Address and port to listen on; port 0: any free port
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1:5025")]
     listen: String,
-    /// Also listen for HiSLIP on this port of the same address, usually 4880; 0: any that is free
+    /// Also listen for HiSLIP on this port of the same address, usually 4880; 0: any free port
     #[arg(long, value_name = "PORT")]
     hislip: Option<u16>,
-    /// Also listen for VXI-11 on this port of the same address; 0: any that is free
+    /// Also listen for VXI-11 on this port of the same address; 0: any free port
     #[arg(long, value_name = "PORT")]
     vxi11: Option<u16>,
-    /// Tell VXI-11 clients that port where they ask: on port 111 as a rule, which needs privileges; 0: any that is free
+    /// Run a port mapper on this port, where VXI-11 clients ask for the VXI-11 port; most ask port 111, which needs privileges; 0: any free port
     #[arg(long, value_name = "PORT", requires = "vxi11")]
     port_mapper: Option<u16>,
     /// Strike the chain at this interval, e.g. 2s [default: only when a client sends BENCh:IMPact]
@@ -61,7 +61,7 @@ pub struct Arguments {
     /// Random seed of noise, sampling phase and striker speed [default: the scene's]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Whether replies begin with the command's header, until a client sends `HEADer`
+    /// Initial state of `HEADer`: whether replies begin with the command's header
     #[arg(long, value_enum, default_value_t = Switch::Off)]
     header: Switch,
 }
@@ -77,7 +77,7 @@ enum Switch {
 const FAULTS_HELP: &str = "Disturb replies, trigger or sensors, KIND[@CHn][=VALUE][*COUNT], e.g. late=500ms; may be repeated; --help lists the kinds";
 
 fn faults_help() -> String {
-    let mut text = "Disturb replies, trigger or sensors; may be repeated. KIND[@CHn][=VALUE][*COUNT], @CHn: channel n's sensor only; *COUNT: so many replies or impacts only"
+    let mut text = "Disturb replies, trigger or sensors; may be repeated. KIND[@CHn][=VALUE][*COUNT]; @CHn limits it to channel n's sensor, *COUNT to this many replies or impacts"
         .to_owned();
     for (form, what) in fault::KINDS {
         let _ = write!(text, "\n  {form:<17}{what}");

@@ -18,7 +18,7 @@ use crate::trace::Trace;
 /// The window function of a record.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum WindowChoice {
-    /// None: for pulses that end within the record
+    /// No window: for pulses that end within the record
     Rectangular,
     /// For lines close to each other
     Hann,
@@ -45,7 +45,7 @@ pub fn time(text: &str) -> Result<f64, String> {
 /// Which signal of a recording, and which part of it.
 #[derive(Debug, Args)]
 pub struct SignalArguments {
-    /// A recording (.mcap), a TDS2000 file (.csv), or a folder of them
+    /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them, or a scope's address (see `acquire`) to record one shot from
     file: PathBuf,
     #[command(flatten)]
     reading: ReadingArguments,

@@ -20,8 +20,8 @@ const BAND_MARGIN: f64 = 1.5;
 pub struct Arguments {
     #[command(flatten)]
     signal: SignalArguments,
-    /// Length of a segment, e.g. 200us: it resolves frequencies 1/length apart [default: a sixteenth of the record, or
-    /// what it takes to see the band gap between f1 and f2]
+    /// Length of a segment, e.g. 200us; the frequency resolution is 1/length [default: a sixteenth of the record, or
+    /// what it takes to show the band gap]
     #[arg(long, value_name = "T", value_parser = time)]
     segment: Option<f64>,
     /// Time from one segment to the next [default: a thirty-second part of a segment]

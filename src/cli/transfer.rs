@@ -18,7 +18,7 @@ use crate::scope::Waveform;
 /// Show the transfer function and coherence between two sensors, averaged over shots, with the band gap
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Recordings (.mcap), a scope's files (.csv, .isf), or folders of them: all their shots count
+    /// Recordings (.mcap), a scope's files (.csv, .isf), or folders of them, to average over
     #[arg(required = true)]
     files: Vec<PathBuf>,
     /// The two signals, e.g. CH2,CH3; simulated ones by their names, e.g. p14,p27

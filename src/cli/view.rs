@@ -27,7 +27,7 @@ pub struct Arguments {
     /// A recording (.mcap), a scope's file (.csv, .isf) or a folder of them; an included scene or a .toml file; or the address of a served or
     /// real scope, e.g. tcp://HOST:PORT (see `acquire`)
     what: String,
-    /// Show each new shot of a recording that is still being written, or not yet begun; stepping back ends it, the key End goes on
+    /// Show each new shot of a recording that is still being written, or does not exist yet; stepping back to an older shot stops this, the key End resumes it
     #[arg(long)]
     follow: bool,
     #[command(flatten)]
@@ -35,7 +35,7 @@ pub struct Arguments {
     /// Compare with this recording, folder or scene
     #[arg(long, value_name = "WHAT")]
     against: Option<String>,
-    /// Record what a scope shows (.mcap), numbered if that exists
+    /// With a scope's address: record the traces shown (.mcap); if the file exists, a number is appended
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
 }
