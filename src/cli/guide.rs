@@ -88,7 +88,7 @@ const GROUPS: [(&str, &[Guide]); 5] = [
         "The program",
         &[
             guide("help", "help scene", "scenes.md"),
-            guide("doctor", "doctor", "first-trace.md"),
+            with_answer(guide("doctor", "doctor", "first-trace.md"), "something is wrong"),
             guide("completions", "completions bash", "commands.md"),
             guide("man", "man -o man", "commands.md"),
         ],

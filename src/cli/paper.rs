@@ -1,4 +1,4 @@
-//! `hertzscope paper`: the paper's figures and numbers, computed again, each with a verdict.
+//! `hertzscope paper`: the paper's figures and numbers, recomputed, each with a verdict.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ use crate::report;
 use crate::report::document::{html, markdown};
 use crate::studies::paper::{FIGURES, FigureRun, PaperStudy, study};
 
-const TITLE: &str = "Herbold et al. (2009), computed again";
+const TITLE: &str = "Herbold et al. (2009), recomputed";
 
 /// Recompute the figures and numbers of Herbold et al. (2009) and compare each with what is printed
 #[derive(Debug, Args)]

@@ -17,18 +17,18 @@ const REPLIES: u128 = 1 << 64;
 
 /// How the kinds are written, and what each does.
 pub const KINDS: &[(&str, &str)] = &[
-    ("late=TIME", "replies come so much later"),
-    ("cut=BYTES", "replies end after so many bytes, without a line end"),
-    ("garbled=SHARE", "so many bytes of a reply are wrong, at least one; its last one is not"),
-    ("missing", "replies do not come"),
-    ("dropped=BYTES", "the connection is closed after so many bytes of a longer reply"),
+    ("late=TIME", "replies are delayed by this time"),
+    ("cut=BYTES", "replies end after this many bytes, without a line end"),
+    ("garbled=SHARE", "this share of a reply's bytes is wrong, at least one, never the last"),
+    ("missing", "replies are not sent"),
+    ("dropped=BYTES", "the connection is closed after this many bytes of a longer reply"),
     ("identity=TEXT", "*IDN? and ID? answer this"),
     ("no-trigger", "impacts do not trigger the scope"),
-    ("clipped=VOLTAGE", "the sensor's signal does not go beyond this, up or down"),
-    ("noisy=VOLTAGE", "normal noise of this root mean square on the sensor's signal"),
+    ("clipped=VOLTAGE", "the sensor's signal is clipped at plus and minus this voltage"),
+    ("noisy=VOLTAGE", "normal noise of this rms value is added to the sensor's signal"),
     ("drifting=V/s", "the sensor's signal drifts, from zero at the impact"),
     ("dead", "the sensor's signal is zero"),
-    ("second=TIME", "the signal comes once more so much later, added to the first"),
+    ("second=TIME", "the signal is added a second time, delayed by this time"),
 ];
 
 #[derive(Debug, Clone, PartialEq)]

@@ -29,7 +29,7 @@ pub fn design_page(
     let mut lines = vec![
         format!("momentum tests of {sensor}, the best first: six impacts each, calibrated blind"),
         format!(
-            "  known to (standard uncertainties): mass {}, fall {}, rebound {}; {gain}",
+            "  standard uncertainties of the inputs: mass {}, fall {}, rebound {}; {gain}",
             engineering(mass_u * 1e3, "g", 2),
             speed(lab.incoming),
             speed(lab.rebound)

@@ -36,7 +36,7 @@ pub fn statistics(found: &[ShotStatistic]) -> String {
         ]);
     }
     let mut lines = vec![
-        "over all shots: repeatability is 2.8 standard deviations, the most by which 95 % of pairs differ".to_owned(),
+        "over all shots: repeatability is 2.8 standard deviations: 95 % of pairs of shots differ by less".to_owned(),
     ];
     lines.extend(table::lines(&rows, &[0, 1, 8]));
     lines.join("\n")

@@ -1,4 +1,4 @@
-//! A scene with everything it stands on and every default, as a scene again: what `hertzscope show` prints.
+//! A scene with its base and every default, as a scene again: what `hertzscope show` prints.
 //!
 //! Defaults are those of the annotated scene `instruments/help/scene.toml`: lines whose comment begins with `default`, followed by the
 //! value where that is another than the line's. Tests hold that the result is the same scene.
@@ -35,7 +35,7 @@ pub fn resolved(name: &str) -> Result<String, SceneError> {
     for key in keys.iter().filter(|key| key.default.is_some()) {
         add_default(&mut root, &key.table, key);
     }
-    let mut page = format!("# {}, with all that it stands on and every default\n", scene.name);
+    let mut page = format!("# {}, with its base and every default\n", scene.name);
     let writer = Writer { own, keys };
     writer.table(&mut page, &[], &root);
     let on = tree::at(&root, &["effects"]);

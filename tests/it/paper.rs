@@ -1,4 +1,4 @@
-//! The paper, computed again: every verdict against figures from elsewhere, the figures' data against the goldens.
+//! The paper, recomputed: every verdict against figures from elsewhere, the figures' data against the goldens.
 //!
 //! Expected are the figures of the bench's reference (two independent solutions) and of `bench-goldens.json`; what stands in neither
 //! comes from `tests/golden/paper/*.c`: fixed steps of order 4, 20 ns and 100 ns for 600 beads, and Fourier sums term by term.

@@ -52,7 +52,7 @@ fn difference(finding: &ClaimFinding) -> String {
 
 /// The page that `paper` prints.
 pub fn paper(study: &PaperStudy) -> String {
-    let mut page = vec!["Herbold et al. (2009), computed again".to_owned()];
+    let mut page = vec!["Herbold et al. (2009), recomputed".to_owned()];
     let [calculated, measured] = split(&study.findings);
     for (title, findings) in [("statement", calculated), ("measured by the paper", measured)] {
         if findings.is_empty() {
@@ -61,7 +61,7 @@ pub fn paper(study: &PaperStudy) -> String {
         if title != "statement" {
             page.push(String::new());
         }
-        let heading = [title, "paper", "here", "differs by", "verdict", "by which convention"];
+        let heading = [title, "paper", "here", "differs by", "verdict", "convention"];
         let mut rows = vec![heading.map(str::to_owned).to_vec()];
         rows.extend(findings.into_iter().map(|finding| {
             vec![
@@ -136,7 +136,7 @@ fn best_dashpot(study: &SpeedStudy) -> String {
 pub fn paper_parts(study: &PaperStudy, pictures: &[PaperPicture]) -> Vec<Part> {
     let [calculated, measured] = split(&study.findings);
     let mut parts = vec![
-        Part::Heading(1, "Herbold et al. (2009), computed again".to_owned()),
+        Part::Heading(1, "Herbold et al. (2009), recomputed".to_owned()),
         Part::Paragraph(
             "E. B. Herbold, J. Kim, V. F. Nesterenko, S. Wang, C. Daraio, Tunable frequency band-gap and pulse propagation in a strongly nonlinear diatomic chain. \
              Every verdict is computed: a printed number agrees with one that rounds to it, a line with one that its record does not tell from it; nothing is tuned. \

@@ -1,4 +1,4 @@
-//! Herbold et al. (2009), computed again: every figure and number of the paper that a calculation can give, held against what is printed.
+//! Herbold et al. (2009), recomputed: every figure and number of the paper that a calculation can give, compared with what is printed.
 //!
 //! The paper's statements are data, `recordings/herbold-2009-claims.toml` and `herbold-2009-tables.toml`. Each statement gets one or more
 //! candidates from the simulations, by conventions that the paper leaves open, and [`verdict`] holds them against the digits as printed.

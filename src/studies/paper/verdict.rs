@@ -203,7 +203,7 @@ fn reason(claim: &Claim, answer: &ClaimResult, chosen: Option<&Interpretation>) 
     let mut text = match claim.expected {
         Expected::Printed { allowed, .. } if answer.resolution > allowed * claim.scale => {
             let apart = summary_text(answer.resolution / claim.scale);
-            format!("the record tells lines apart by {apart}")
+            format!("the spectrum resolves {apart}")
         }
         Expected::Printed { allowed, .. } => {
             format!("digits as printed allow {} either way", summary_text(allowed))
