@@ -45,7 +45,9 @@ impl Pieces {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SpectrogramError {
     /// No piece fits.
-    #[error("found pieces of {segment} samples in a gate of {samples}, expected 2 to {samples}")]
+    #[error(
+        "segments of {segment} samples do not fit the {samples} samples between --from and --to: at least 2, and no longer than these"
+    )]
     Segment {
         /// Samples of a piece.
         segment: usize,

@@ -5,9 +5,12 @@ use std::ffi::OsStr;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use clap_complete::CompletionCandidate;
-use clap_complete::engine::{ArgValueCompleter, PathCompleter, ValueCompleter as _};
+use clap_complete::engine::{
+    ArgValueCandidates, ArgValueCompleter, PathCompleter, ValueCompleter as _,
+};
 use clap_complete::env::{CompleteEnv, Shells};
 
+use crate::data;
 use crate::scene::Scene;
 
 /// Set by the script when it asks.
@@ -15,6 +18,9 @@ const VARIABLE: &str = "HERTZSCOPE_COMPLETE";
 /// Arguments that take a scene, and those that take recordings and a scope's files.
 const SCENES: [&str; 5] = ["scene", "simulated", "what", "against", "inputs"];
 const RECORDINGS: [&str; 6] = ["file", "files", "measured", "input", "what", "inputs"];
+/// Arguments that take a command or a page, and a sensor.
+const TOPIC: &str = "topic";
+const SENSOR: &str = "simulate";
 /// Endings of what holds traces.
 const RECORDING_ENDINGS: [&str; 3] = ["mcap", "csv", "isf"];
 
@@ -45,13 +51,28 @@ pub fn answer(command: impl Fn() -> clap::Command) {
 /// `command`, with what its arguments may be.
 fn completing(mut command: clap::Command) -> clap::Command {
     let names: Vec<String> = command.get_subcommands().map(|c| c.get_name().to_owned()).collect();
+    let topics = [&names[..], &names_of("help")].concat();
     for name in names {
-        command = command.mut_subcommand(name, |found| found.mut_args(completing_argument));
+        let argument = |found: clap::Arg| completing_argument(found, &topics);
+        command = command.mut_subcommand(name, |found| found.mut_args(argument));
     }
     command
 }
 
-fn completing_argument(argument: clap::Arg) -> clap::Arg {
+fn names_of(kind: &str) -> Vec<String> {
+    data::instrument_names(kind).into_iter().map(str::to_owned).collect()
+}
+
+fn completing_argument(argument: clap::Arg, topics: &[String]) -> clap::Arg {
+    let known = match argument.get_id().as_str() {
+        TOPIC => topics.to_vec(),
+        SENSOR => names_of("sensors"),
+        _ => Vec::new(),
+    };
+    if !known.is_empty() {
+        let candidates = move || known.iter().map(CompletionCandidate::new).collect();
+        return argument.add(ArgValueCandidates::new(candidates));
+    }
     let is_in = |ids: &[&str]| ids.contains(&argument.get_id().as_str());
     let (scenes, recordings) = (is_in(&SCENES), is_in(&RECORDINGS));
     if !scenes && !recordings {

@@ -44,7 +44,7 @@ pub struct Arguments {
     newtons: bool,
     #[command(flatten)]
     reading: ReadingArguments,
-    /// Instrument model for captures that name none; a scope's .csv needs one
+    /// Scope model for captures that name none, as in `hertzscope list scopes`; --as tds needs one
     #[arg(long, value_name = "MODEL")]
     instrument: Option<String>,
     /// In a picture (.svg, .png): dark on white, for print

@@ -191,7 +191,7 @@ fn run_fit(
     if let Err(error) = &found
         && error.has_no_result()
     {
-        eprintln!("nothing is found: {error}");
+        eprintln!("not fitted: {error}");
         return Err(AnswerIsNo.into());
     }
     let found = found?;

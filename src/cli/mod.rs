@@ -180,10 +180,20 @@ pub fn main() -> ExitCode {
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) if error.is::<AnswerIsNo>() => ExitCode::FAILURE,
         Err(error) => {
-            say(&format!("error: {error:#}"));
+            say(&format!("error: {}", without_numbers(&format!("{error:#}"))));
             ExitCode::from(EXIT_FAILURE)
         }
     }
+}
+
+/// Errors of the operating system without the numbers that Rust puts behind them.
+fn without_numbers(words: &str) -> String {
+    let mut parts = words.split(" (os error ");
+    let mut told = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        told.push_str(part.split_once(')').map_or(part, |(_, rest)| rest));
+    }
+    told
 }
 
 #[cfg(test)]

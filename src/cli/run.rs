@@ -138,9 +138,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     } else {
         None
     };
+    let title = format!("{}: {}", scene.name, scene.title);
     arguments.plot.save(|| match &predicted {
-        Some(predicted) => report::bands_picture(&predicted.bands, &scene.name),
-        None => first.map_or_else(String::new, |shot| report::shot_picture(&shot, &scene.name)),
+        Some(predicted) => report::bands_picture(&predicted.bands, &title),
+        None => first.map_or_else(String::new, |shot| report::shot_picture(&shot, &title)),
     })?;
     // As it was typed.
     let recording = arguments.output.as_ref().unwrap_or(&file).display().to_string();

@@ -131,6 +131,19 @@ fn of_capture(set: &TraceSet, shot: &Shot, capture: &Capture) -> anyhow::Result<
     Ok((trace, sensor.and_then(crate::measurement::metadata::RecordedSensor::site), 0.0))
 }
 
+/// Topics of the truth: sensors one by one, of contacts and bodies the first and the last.
+fn topics(shot: &Shot) -> Vec<String> {
+    let topics: Vec<&str> = shot.truth.iter().map(topic).collect();
+    let kind = |topic: &str| topic.split('/').next().unwrap_or_default().to_owned();
+    let groups = topics.chunk_by(|a, b| kind(a) == kind(b) && kind(a) != "sensor");
+    let told = groups.filter_map(|group| match group {
+        [first, .., last] => Some(format!("{first} to {last}")),
+        [one] => Some((*one).to_owned()),
+        [] => None,
+    });
+    told.collect()
+}
+
 /// The truth called `name`, in full, by its topic, or a sensor's by the sensor's name. What it starts from is its static part.
 fn truth(set: &TraceSet, shot: &Shot, name: &str) -> anyhow::Result<SelectedSignal> {
     let name = name.trim_start_matches("/truth/");
@@ -139,8 +152,7 @@ fn truth(set: &TraceSet, shot: &Shot, name: &str) -> anyhow::Result<SelectedSign
         topic(trace) == name || trace.name == name || of_sensor(trace).as_deref() == Some(name)
     });
     let Some(trace) = found else {
-        let names: Vec<&str> = shot.truth.iter().map(topic).collect();
-        bail!("found no truth `{name}`, expected one of: {}", names.join(", "));
+        bail!("found no truth `{name}`, expected one of: {}", topics(shot).join(", "));
     };
     let sensors = metadata::sensors_of(set, shot.number);
     let sensor = of_sensor(trace).and_then(|name| sensors.iter().find(|s| s.name == name));

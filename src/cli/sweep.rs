@@ -29,7 +29,7 @@ use crate::sweep::work::{SweepOptions, work};
 /// Run a scene with thousands of parameter values: grid, random or Latin hypercube; an interrupted sweep resumes
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// The sweep (TOML): a scene and the values to run it with
+    /// The sweep (TOML): a scene and the values to run it with; `hertzscope help grid` shows one
     grid: PathBuf,
     /// Table to write when all runs are finished, .csv, .jsonl or .parquet; may be repeated [default: GRID.csv]
     #[arg(short, long, value_name = "FILE")]

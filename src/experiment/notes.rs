@@ -156,7 +156,7 @@ fn deep_overlap(chain: &Chain, film: &Frames) -> Option<Note> {
     let (upper, lower) = chain.beside(j);
     (most > MAX_OVERLAP_SHARE).then(|| {
         let sentence = format!(
-            "the overlap between {upper} and {lower} reaches {most:.1} of the smaller one's length: Hertz's law does not hold there, and these results are not those of a real chain"
+            "the overlap between {upper} and {lower} reaches {most:.1} times the length of the smaller one: Hertz's law does not hold there, and these results are not those of a real chain"
         );
         Note::new("beyond_hertz", sentence).with("contact", j).with("overlap_share", most)
     })

@@ -113,6 +113,12 @@ pub fn expanded_95(u: f64, half_width: f64) -> f64 {
     0.5 * (low + high)
 }
 
+/// Shares of `trials` right 95 % intervals that hold the truth in 95 % of all repetitions: the binomial scatter (1).
+pub fn expected_coverage(trials: u32) -> [f64; 2] {
+    let scatter = NORMAL_95 * (0.95 * 0.05 / f64::from(trials.max(1))).sqrt();
+    [0.95 - scatter, (0.95 + scatter).min(1.0)]
+}
+
 /// Share of the normal distribution below `z` (1).
 ///
 /// M. Abramowitz, I. Stegun, "Handbook of Mathematical Functions" (1964), Eq. 26.2.17, within 7.5e-8.

@@ -86,7 +86,9 @@ pub enum OpenError {
         number: u32,
     },
     /// Two captures of one folder claim the same channel.
-    #[error("{file}: found a second capture of {channel}, expected one file a channel")]
+    #[error(
+        "{file}: found a second capture of {channel}, expected one file a channel: name a single file, or a folder with a single shot"
+    )]
     SameChannel {
         /// The file.
         file: PathBuf,

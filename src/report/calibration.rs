@@ -74,7 +74,7 @@ pub(super) fn results(report: &CalibrationReport) -> Vec<[String; 2]> {
     rows.push(row(
         "Birge ratio",
         format!(
-            "{:.2}: scatter of the impacts over what their inputs explain; counts from 1",
+            "{:.2}: scatter of the impacts over what their uncertainties explain; enlarges u where above 1",
             report.birge_ratio
         ),
     ));

@@ -1,7 +1,7 @@
 //! The design of a momentum test as a page of text.
 
 use super::table;
-use crate::quantity::coverage::NORMAL_95;
+use crate::quantity::coverage::{NORMAL_95, expected_coverage};
 use crate::quantity::engineering;
 use crate::scene::plan::lab::{Laboratory, SpeedReading};
 use crate::studies::momentum_test::coverage::Coverage;
@@ -65,6 +65,7 @@ pub fn design_page(
 
 fn coverage_lines(checked: &Coverage) -> [String; 5] {
     let percent = |share: f64| format!("{:+.3} %", 100.0 * share);
+    let [low, high] = expected_coverage(checked.repeats);
     [
         format!(
             "the best, {} times blind: other sensor, readings and noise each time",
@@ -76,8 +77,10 @@ fn coverage_lines(checked: &Coverage) -> [String; 5] {
             100.0 * NORMAL_95 * checked.bias_u
         ),
         format!(
-            "  coverage    {:.1} % of the 95 % intervals hold the truth",
-            100.0 * checked.coverage_95
+            "  coverage    {:.1} % of the 95 % intervals hold the truth; right ones: {:.1} to {:.1} %",
+            100.0 * checked.coverage_95,
+            100.0 * low,
+            100.0 * high
         ),
         format!(
             "  U95         {:.2} % on average, {:.2} % at most; {} calibrations failed, {} impacts left out",

@@ -111,7 +111,7 @@ fn shot_lines(shot: &Shot) -> Vec<String> {
     let mut lines = vec![format!("shot {}, {origin}", shot.number)];
     lines.extend(table::lines(&rows, &[0]));
     if shot.origin == Origin::Measured && shot.timestamp_ns > 0 {
-        lines.push(format!("  saved {}", utc(shot.timestamp_ns)));
+        lines.push(format!("  dated {}, by the file", utc(shot.timestamp_ns)));
     }
     for capture in &shot.captures {
         let source = capture.waveform.source;

@@ -7,13 +7,10 @@ use crate::studies::hard_cases::CaseResult;
 
 /// How near each case comes to its bound, as a picture.
 pub fn hard_cases_svg(findings: &[CaseResult]) -> String {
-    let row = |finding: &CaseResult| {
-        let share = finding.found.zip(finding.limit).map(|(found, limit)| found / limit);
-        DotRow {
-            name: finding.case.to_owned(),
-            values: vec![share],
-            words: finding.verdict.word().to_owned(),
-        }
+    let row = |finding: &CaseResult| DotRow {
+        name: finding.case.to_owned(),
+        values: vec![share(finding)],
+        words: finding.verdict.word().to_owned(),
     };
     DotChart {
         title: "Hard cases: the tightest figure of each over its bound".to_owned(),
@@ -26,10 +23,21 @@ pub fn hard_cases_svg(findings: &[CaseResult]) -> String {
     .svg()
 }
 
+/// The tightest figure of a case over its bound (1).
+fn share(finding: &CaseResult) -> Option<f64> {
+    finding.found.zip(finding.limit).map(|(found, limit)| found / limit)
+}
+
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent < 0.1 { "< 0.1 %".to_owned() } else { format!("{percent:.1} %") }
+}
+
 /// The page that `hard-cases` prints; with what makes each case hard, its bound and its tightest figure where `why` is true.
 pub fn hard_cases(findings: &[CaseResult], why: bool) -> String {
-    let heading =
-        ["case", "checks", "tightest figure", "bound", "verdict"].map(str::to_owned).to_vec();
+    let heading = ["case", "checks", "figure", "bound", "figure/bound", "verdict"]
+        .map(str::to_owned)
+        .to_vec();
     let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.1e}"));
     let row = |finding: &CaseResult| {
         vec![
@@ -37,11 +45,12 @@ pub fn hard_cases(findings: &[CaseResult], why: bool) -> String {
             finding.checks.to_string(),
             number(finding.found),
             number(finding.limit),
+            share(finding).map_or("-".to_owned(), percent),
             finding.verdict.word().to_owned(),
         ]
     };
     let rows: Vec<Vec<String>> = std::iter::once(heading).chain(findings.iter().map(row)).collect();
-    let mut table = table::lines(&rows, &[0, 4]).into_iter();
+    let mut table = table::lines(&rows, &[0, 5]).into_iter();
     let mut lines: Vec<String> = table.by_ref().take(1).collect();
     for (finding, line) in findings.iter().zip(table) {
         lines.push(line);

@@ -6,18 +6,34 @@ pub const TERMINAL_WIDTH: usize = 80;
 /// Narrowest column in which words are wrapped (characters).
 const MIN_FOLDED: usize = 20;
 
-/// Lines of whole words, `width` characters at most where words allow.
+/// Longest unit that is kept beside its number (characters).
+const MAX_UNIT: usize = 5;
+
+/// Lines of whole words, `width` characters at most where words allow; a number and its unit are one word.
 pub fn wrapped(text: &str, width: usize) -> Vec<String> {
-    let mut lines = vec![String::new()];
+    let mut words: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
+        match words.last_mut() {
+            Some(number)
+                if number.ends_with(|c: char| c.is_ascii_digit())
+                    && word.chars().count() <= MAX_UNIT =>
+            {
+                number.push(' ');
+                number.push_str(word);
+            }
+            _ => words.push(word.to_owned()),
+        }
+    }
+    let mut lines = vec![String::new()];
+    for word in words {
         let Some(line) = lines.last_mut() else { break };
         if line.is_empty() {
-            word.clone_into(line);
+            *line = word;
         } else if line.chars().count() + 1 + word.chars().count() <= width {
             line.push(' ');
-            line.push_str(word);
+            line.push_str(&word);
         } else {
-            lines.push(word.to_owned());
+            lines.push(word);
         }
     }
     lines

@@ -9,7 +9,7 @@ use std::rc::Rc;
 use super::document::{Entry, Node, SourceLocation, Value};
 use super::files::Texts;
 use super::files::{read_text, shipped};
-use super::problem::{Problem, SceneError};
+use super::problem::{Problem, SceneError, did_you_mean};
 use super::tree::{at, at_mut};
 use crate::data;
 
@@ -101,8 +101,10 @@ pub fn instrument(
     }
     let origin = origin_of(place);
     let missing = |found: String| {
-        let names = data::instrument_names(kind).join(", ");
-        vec![place.problem(key, found, format!("one of {names}, or the path of a .toml file"))]
+        let names = data::instrument_names(kind);
+        let meant = did_you_mean(name, &names);
+        let expected = format!("one of {}, or the path of a .toml file{meant}", names.join(", "));
+        vec![place.problem(key, found, expected)]
     };
     match find(kind, name, &origin) {
         Ok(Some((text, file, _))) => Node::parse(&file, &text).map(Rc::new),
@@ -119,6 +121,21 @@ pub fn instrument(
 pub fn open(kind: &str, name: &str) -> Result<Option<Node>, SceneError> {
     let found = find(kind, name, &Origin::Embedded)?;
     found.map(|(text, file, _)| Node::parse(&file, &text).map_err(SceneError::Problems)).transpose()
+}
+
+/// Refuses a name typed at the command line that is neither an included instrument of this `kind` nor a file.
+///
+/// # Errors
+/// [`SceneError::NoInstrument`], or as reading a file.
+pub fn require(kind: &'static str, name: &str) -> Result<(), SceneError> {
+    match find(kind, name, &Origin::Embedded)? {
+        Some(_) => Ok(()),
+        None => {
+            let listed = if kind.is_empty() { "scopes" } else { kind };
+            let known = data::instrument_names(kind);
+            Err(SceneError::NoInstrument { listed, name: name.to_owned(), known })
+        }
+    }
 }
 
 struct Library {

@@ -33,6 +33,7 @@ pub mod vary;
 pub use bench::load as input_load;
 pub use distance::{PlatePlace, Site, distance};
 pub use files::{Texts, hexadecimal};
+pub use library::require;
 pub use problem::{Problem, SceneError};
 pub use sensors::PlacedSensor;
 pub use sensors::gain_u;
@@ -155,6 +156,7 @@ impl Scene {
 /// # Errors
 /// [`SceneError`]: no such file, or every problem found in it.
 pub fn oscilloscope(name: &str) -> Result<Model, SceneError> {
+    library::require("", name)?;
     let text = format!("[scope]\nmodel = {name:?}\n");
     let mut loaded = library::load_text(name, name, &text)?;
     let problems = Problems::default();

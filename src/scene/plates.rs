@@ -77,11 +77,13 @@ pub fn plate(name: &str, table: &TableReader<'_>, problems: &Problems) -> Option
     let wiring = table.choice("wiring", &wiring).unwrap_or_default();
     let leak = table.quantity("leak_resistance", Dimension::RESISTANCE, Bound::Positive);
     let cable = if measured.time_constant.is_some() {
-        if table.has("cable_capacitance") {
+        let _ = table.node("cable_capacitance");
+        // A time constant measured here replaces the capacitance in the sensor's file.
+        let is_replaced = table.is_own("tau") && !table.is_own("cable_capacitance");
+        if table.has("cable_capacitance") && !is_replaced {
             let expected =
                 "one of the two: the measured time constant holds the cable's capacitance";
             table.problem("cable_capacitance", "both `cable_capacitance` and `tau`", expected);
-            let _ = table.node("cable_capacitance");
         }
         Some(0.0)
     } else {

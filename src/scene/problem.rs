@@ -87,6 +87,20 @@ pub enum SceneError {
         /// The scenes there are.
         shipped: Vec<&'static str>,
     },
+    /// Neither an included instrument nor a file.
+    #[error(
+        "found no `{name}` among the included {listed} ({}), and it is no .toml file{}",
+        known.join(", "),
+        did_you_mean(name, known)
+    )]
+    NoInstrument {
+        /// What was looked through, as `hertzscope list` calls it.
+        listed: &'static str,
+        /// The requested name.
+        name: String,
+        /// Those there are.
+        known: Vec<&'static str>,
+    },
     /// A file or folder that is no scene.
     #[error(
         "{name} is no scene, which is a .toml file; a simulated recording carries its scene (`hertzscope info`)"

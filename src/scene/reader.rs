@@ -96,6 +96,11 @@ impl<'a> TableReader<'a> {
         self.entries.contains_key(key)
     }
 
+    /// Whether `key` stands in the table's own file, and not in that of a model or base.
+    pub fn is_own(&self, key: &str) -> bool {
+        self.entries.get(key).is_some_and(|e| e.node.place.file() == self.place.file())
+    }
+
     /// The value of `key` as it stands.
     pub fn node(&self, key: &'static str) -> Option<&'a Node> {
         self.asked.borrow_mut().push(key);

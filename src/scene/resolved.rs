@@ -69,11 +69,6 @@ pub fn annotated_plan() -> &'static str {
     data::instrument("help", "plan").unwrap_or_default()
 }
 
-/// The annotated laboratory of a momentum test with every key.
-pub fn annotated_lab() -> &'static str {
-    data::instrument("help", "lab").unwrap_or_default()
-}
-
 /// A key of the annotated scene.
 struct DocumentedKey {
     /// Path of its table; `*` is every name.

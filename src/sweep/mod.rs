@@ -41,7 +41,7 @@ pub enum SweepError {
         known: Vec<String>,
     },
     /// Not one scene of the sweep is sound.
-    #[error("no scene of {tried} tried is sound; the first:\n{first}")]
+    #[error("none of the first {tried} scenes is valid; the first:\n{first}")]
     AllRefused {
         /// How many runs were tried.
         tried: u64,

@@ -141,7 +141,7 @@ fn notes(found: &Calibration, common: &Common, tail: Option<(f64, f64)>) -> Vec<
     let count = used.clone().count();
     if count < impacts || found.levels < levels {
         notes.push(format!(
-            "{count} usable impacts at {} levels of force: the non-linearity wants at least {impacts} at {levels}",
+            "{count} usable impacts at {} levels of force: the non-linearity needs at least {impacts} impacts at {levels} levels",
             found.levels
         ));
     }

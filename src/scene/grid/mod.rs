@@ -116,7 +116,8 @@ fn read(file: &Path, node: &Node, problems: &Problems) -> Option<Design> {
         factors.push(Factor { path, values });
     }
     let sample = sample(&root, problems);
-    if factors.is_empty() && sample.is_none() {
+    let varies = ["grid", "random", "latin_hypercube"].iter().any(|key| root.has(key));
+    if !varies {
         let expected = "[grid], [random] or [latin_hypercube] with values of the scene";
         root.problem("grid", "nothing that is varied", expected);
     }

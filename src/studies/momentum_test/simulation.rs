@@ -15,7 +15,7 @@ use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, RunError, run};
 use crate::recording::{Capture, InstrumentIdentity, TrueSignal};
 use crate::scene::plan::lab::LabStriker;
-use crate::scene::{Scene, SceneError};
+use crate::scene::{Scene, SceneError, require};
 use crate::scope::acquire::{before_trigger, digitise, find_trigger};
 use crate::scope::front_end::{condition, noise_stream};
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION};
@@ -81,6 +81,8 @@ pub enum TestError {
 /// # Errors
 /// [`SceneError`]: no such sensor, or every problem found in it.
 pub fn bench(sensor: &str, scope: &str) -> Result<Scene, SceneError> {
+    require("sensors", sensor)?;
+    require("", scope)?;
     let text = format!(
         "base = \"{SCENE}\"\n[sensors.item]\nmodel = {sensor:?}\n[scope]\nmodel = {scope:?}\n"
     );

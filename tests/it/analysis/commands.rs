@@ -127,7 +127,7 @@ fn spectrogram_of_the_linear_chain() {
     let page = String::from_utf8_lossy(&page.get_output().stdout).into_owned();
     assert!(page.contains("█") && page.contains("f1 7.122 kHz"), "{page}");
     for (wrong, told) in
-        [("--segment=1s", "found pieces"), ("--hop=0s", "hop of 0"), ("--segment=1kg", "a mass")]
+        [("--segment=1s", "do not fit"), ("--hop=0s", "hop of 0"), ("--segment=1kg", "a mass")]
     {
         let failed = hertzscope(&["spectrogram", &file, "--truth", "p101", wrong]).assert().code(2);
         let error = String::from_utf8_lossy(&failed.get_output().stderr).into_owned();

@@ -61,9 +61,12 @@ fn a_measured_sensor_needs_no_data_sheet() {
     assert!((s / (0.41 * 1.1e-9 / capacitance) - 1.0).abs() < 1e-12);
     let facts = facts(&scene(&wired), Integration::Accuracy(1e-6)).expect("facts");
     assert_eq!(facts["hertzscope:sensor/1"]["sensitivity_u_relative"], "0.004");
-    // Only tau: S tau = d33 R.
+    // Only tau: S tau = d33 R. In the scene it replaces the capacitance of the sensor's file; both in one place contradict each other.
     let plate = "[sensors.p2]\nmodel = \"pzt-5a-710pf\"\ntau = \"1 ms\"\n";
-    assert!(problems(plate).contains("both `cable_capacitance` and `tau`"));
+    let (s, tau) = circuit(&scene(plate), 0);
+    assert!((tau - 1e-3).abs() < 1e-15 && (s / 0.4 - 1.0).abs() < 1e-12);
+    let both = format!("{plate}cable_capacitance = \"1 nF\"\n");
+    assert!(problems(&both).contains("both `cable_capacitance` and `tau`"));
     std::fs::write(&file, "d33 = \"400 pC/N\"\nrelative_permittivity = 1800\nside = \"3 mm\"\nthickness = \"0.5 mm\"\ntau = \"1 ms\"\n").expect("a file");
     let (s, tau) = circuit(&scene(&wired), 0);
     assert!((tau - 1e-3).abs() < 1e-15 && (s / 0.4 - 1.0).abs() < 1e-12);

@@ -96,7 +96,20 @@ fn completions_know_commands_scenes_and_recordings() {
     assert_eq!(offered(&["run", "m"])[0], "mine.toml");
     assert_eq!(offered(&["arrivals", "d"]), ["day.mcap"]);
     assert_eq!(offered(&["arrivals", "m"]), [""; 0]);
+    assert_eq!(offered(&["help", "g"]), ["gather", "grid"]);
+    assert!(offered(&["calibrate", "--simulate", "pzt"]).contains(&"pzt-5a-710pf".to_owned()));
     assert!(offered(&["view", ""]).starts_with(&["day.mcap".to_owned(), "mine.toml".to_owned()]));
+}
+
+/// The annotated sweep is one: 3 speeds by 10 forces, 100 draws at each.
+#[test]
+fn the_annotated_sweep_runs() {
+    let folder = temporary();
+    let text = printed(folder.path(), &["help", "grid"]);
+    std::fs::write(folder.path().join("grid.toml"), text).expect("a file");
+    let page = printed(folder.path(), &["sweep", "grid.toml", "--json", "--quiet"]);
+    let page: serde_json::Value = serde_json::from_str(&page).expect("JSON");
+    assert_eq!(page["runs"], 3000, "{page}");
 }
 
 #[test]

@@ -463,7 +463,7 @@ fn what_no_bench_could_be_is_told() {
     };
     write("flat.toml", "[effects.magnet_preload]\nforce = \"1e5 N\"\nparticle = 1\n");
     let page = printed(folder.path(), &["run", "flat.toml"]);
-    says(&page, &["of the smaller one's length: Hertz's law does not hold there"]);
+    says(&page, &["times the length of the smaller one: Hertz's law does not hold there"]);
     assert!(!printed(folder.path(), &["run", "magnet-0.61g"]).contains("smaller one's length"));
     let stiff = "[effects.dashpot]\ngamma = \"1000 N s/m\"\nend_of_contact = \"zero_force\"\n";
     write("stiff.toml", stiff);
