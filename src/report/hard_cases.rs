@@ -26,10 +26,9 @@ pub fn hard_cases_svg(findings: &[CaseResult]) -> String {
     .svg()
 }
 
-/// The page that `hard-cases` prints; with what makes each case hard, its bound and its tightest figure where `why` is true.
+/// The page that `hard-cases` prints, the figure nearest to its bound in the table; with what makes each case hard, its bound and its tightest figure where `why` is true.
 pub fn hard_cases(findings: &[CaseResult], why: bool) -> String {
-    let heading =
-        ["case", "checks", "tightest figure", "bound", "verdict"].map(str::to_owned).to_vec();
+    let heading = ["case", "checks", "figure", "bound", "verdict"].map(str::to_owned).to_vec();
     let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.1e}"));
     let row = |finding: &CaseResult| {
         vec![
