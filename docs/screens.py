@@ -29,7 +29,8 @@ SESSIONS = [
     ("view-spectrum", ["magnet-0.61g"], 24, 80, [("", "Trig'd"), ("2F", "f3")]),
     ("view-motion", ["magnet-0.61g"], 32, 110, [("", "Trig'd"), (":seek 0.42 ms\r", "Forces along")]),
     ("view-compare", ["LAB", "--against", "gravity-0.61g"], 32, 110, [("", "corr"), ("2", "CH2")]),
-    ("view-accuracy", ["magnet-0.61g"], 40, 150, [("", "Trig'd"), ("k", "now: accuracy"), ("", "quantisation")]),
+    ("view-accuracy", ["magnet-0.61g"], 40, 150, [("", "Trig'd"), ("k", "now: accuracy")]),
+    ("view-effects", ["magnet-0.61g"], 32, 80, [("", "Trig'd"), ("y", "quantisation")]),
 ]
 
 

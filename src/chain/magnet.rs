@@ -129,7 +129,9 @@ impl ChainMagnet {
         let beyond = |distance| ChainError::MagnetBeyondTable { distance };
         let column = Column::below(body, spec, bodies, loads)?;
         let (distance, force) = match placed.at {
-            PlacedAt::Rest(distance) => (distance, reach(distance).ok_or(beyond(distance))?),
+            PlacedAt::Rest(distance) | PlacedAt::Pull { distance, .. } => {
+                (distance, reach(distance).ok_or(beyond(distance))?)
+            }
             PlacedAt::Unloaded(distance) => column.settle(&field, distance)?,
         };
         reach(distance).ok_or(beyond(distance))?;

@@ -10,12 +10,23 @@ use clap::Args;
 use super::input::{ReadingArguments, note_option};
 use super::overwrite::ending;
 use crate::client::Address;
+use crate::recording::TraceSet;
 use crate::recording::format::Format;
 use crate::recording::mcap::indexed_recording::IndexedRecording;
+use crate::report;
 use crate::scene::Scene;
+use crate::tui::model::PrintedTables;
 use crate::tui::work::served::ServedConnection;
-use crate::tui::{self, ViewSource};
+use crate::tui::{self, CommandLine, ViewSource};
 
+/// What the screen has done here.
+const COMMAND_LINE: CommandLine = CommandLine {
+    note_option,
+    tables: PrintedTables {
+        effects: |ledger| report::effects(ledger, false),
+        hard_cases: |cases| report::hard_cases(cases, false),
+    },
+};
 /// Time from one look for a recording to the next, until it is begun.
 const FILE_POLL_INTERVAL: Duration = Duration::from_millis(100);
 /// Bytes at the beginning of every recording.
@@ -27,6 +38,9 @@ pub struct Arguments {
     /// A recording (.mcap), a scope's file (.csv, .isf) or a folder of them; an included scene or a .toml file; or the address of a served or
     /// real scope, e.g. tcp://HOST:PORT (see `acquire`)
     what: String,
+    /// Further recordings, files or folders: on the same axes, dotted; the key O brings the next one to the front
+    #[arg(value_name = "RECORDING")]
+    behind: Vec<PathBuf>,
     /// Show each new shot of a recording that is still being written, or does not exist yet; stepping back to an older shot stops this, the key End resumes it
     #[arg(long)]
     follow: bool,
@@ -76,15 +90,45 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Some(_) => ViewSource::Set(Box::new(arguments.reading.open(path)?)),
         None => bench(&arguments.what)?,
     };
-    terminal()?;
     let stem = if format.is_some() { path.file_name() } else { path.file_stem() };
     // A shipped scene's name may hold points.
     let name = match stem {
         Some(stem) if path.exists() => stem.to_string_lossy().into_owned(),
         _ => arguments.what.clone(),
     };
-    tui::run(subject, name, arguments.against.clone(), note_option)?;
+    let (title, behind) = behind(arguments, name)?;
+    terminal()?;
+    tui::run(subject, title, behind, arguments.against.clone(), COMMAND_LINE)?;
     Ok(())
+}
+
+/// The further recordings, and a name for each and for the one that is called `first`: the file's, or the whole path where two files have
+/// the same name.
+fn behind(
+    arguments: &Arguments,
+    first: String,
+) -> anyhow::Result<(String, Vec<(String, TraceSet)>)> {
+    let file_name = |path: &Path| path.file_name().map(|name| name.to_string_lossy().into_owned());
+    let mut names = vec![first.clone()];
+    names.extend(arguments.behind.iter().filter_map(|path| file_name(path)));
+    let name = |short: String, whole: String| {
+        if names.iter().filter(|name| **name == short).count() > 1 { whole } else { short }
+    };
+    let mut found = Vec::new();
+    for path in &arguments.behind {
+        let whole = path.display().to_string();
+        if Format::of(path).is_none() {
+            bail!(
+                "{whole}: expected a recording; a scene is shown beside one with --against {whole}"
+            );
+        }
+        let set = arguments.reading.open(path)?;
+        if set.shots.is_empty() {
+            bail!("{whole}: found no shots");
+        }
+        found.push((name(file_name(path).unwrap_or_default(), whole), set));
+    }
+    Ok((name(first, arguments.what.clone()), found))
 }
 
 /// Waits until a recording is begun at `path`.
@@ -115,7 +159,8 @@ fn watch(arguments: &Arguments, address: &Address) -> anyhow::Result<()> {
     let mut scope = ServedConnection::connect(address).map_err(anyhow::Error::msg)?;
     let file = arguments.record.as_deref().map(|file| scope.record(file)).transpose()?;
     let subject = ViewSource::Served(Box::new(scope));
-    tui::run(subject, address.to_string(), arguments.against.clone(), note_option)?;
+    let (title, behind) = behind(arguments, address.to_string())?;
+    tui::run(subject, title, behind, arguments.against.clone(), COMMAND_LINE)?;
     if let Some(file) = file {
         super::print(&format!("recorded    {}", file.display()))?;
     }

@@ -80,7 +80,7 @@ fn force(table: &TableReader<'_>) -> Option<MagnetForce> {
                 table.problem("force", found, "a force that `hertzscope magnet` shows");
                 return None;
             };
-            PlacedAt::Rest(nearest)
+            PlacedAt::Pull { force, distance: nearest }
         }
         _ => return None,
     };

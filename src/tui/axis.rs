@@ -23,6 +23,9 @@ const ZOOM_OUT_THRESHOLD: f64 = 1.02;
 /// How many times the recorded V/div the screen may show (1).
 const MAX_SCALE_FACTOR: f64 = 100.0;
 
+/// An axis has fewer ticks than this (1).
+const MOST_MULTIPLES: f64 = 100.0;
+
 /// Which way a knob is turned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TurnDirection {
@@ -91,6 +94,17 @@ impl Steps {
         .unwrap_or(value)
     }
 
+    /// Multiples of the smallest step that is not below `spacing`, from `low` to `high`, each with its factor (unit).
+    pub fn multiples(self, (low, high): (f64, f64), spacing: f64) -> Vec<(i64, f64)> {
+        let step = self.at_least(spacing);
+        let (first, last) =
+            ((low / step - SCALE_TOLERANCE).ceil(), (high / step + SCALE_TOLERANCE).floor());
+        if (last - first).abs() > MOST_MULTIPLES || !step.is_normal() {
+            return Vec::new();
+        }
+        (first as i64..=last as i64).map(|factor| (factor, factor as f64 * step)).collect()
+    }
+
     /// The smallest step that is not below `value` (unit).
     pub fn at_least(self, value: f64) -> f64 {
         self.around(value).find(|step| *step >= value * (1.0 - SCALE_TOLERANCE)).unwrap_or(value)
@@ -137,8 +151,8 @@ impl ViewWindow {
             && ((self.centre - other.centre) / other.scale).abs() < SCALE_TOLERANCE
     }
 
-    /// This window after a turn of the s/div knob; what stands `anchor` divisions right of the centre stays there.
-    pub fn zoomed(self, waveform: &Waveform, turn: TurnDirection, anchor: f64) -> Self {
+    /// Finest and coarsest scale of a record (s/div; Hz/div for an FFT).
+    fn scales(waveform: &Waveform) -> (f64, f64) {
         let (start, end) = extent(waveform);
         let steps = Steps::OneTwoAndHalfFive;
         let recorded = Self::recorded(waveform).scale;
@@ -146,8 +160,22 @@ impl ViewWindow {
         let coarsest =
             if span > recorded * ZOOM_OUT_THRESHOLD { steps.at_least(span) } else { recorded };
         let finest = steps.at_least(waveform.preamble.x_incr.abs());
-        let finest = if finest.is_normal() { finest.min(coarsest) } else { coarsest };
-        let scale = steps.next(self.scale, turn).clamp(finest, coarsest);
+        (if finest.is_normal() { finest.min(coarsest) } else { coarsest }, coarsest)
+    }
+
+    /// The window around `centre` with the next scale that is not below `scale`, as far as the record reaches. The centre is rounded to half
+    /// divisions.
+    pub fn around(waveform: &Waveform, centre: f64, scale: f64) -> Self {
+        let (finest, coarsest) = Self::scales(waveform);
+        let scale = Steps::OneTwoAndHalfFive.at_least(scale).clamp(finest, coarsest);
+        let centre = (2.0 * centre / scale).round() * scale / 2.0;
+        Self { centre, scale }.kept_inside(waveform)
+    }
+
+    /// This window after a turn of the s/div knob; what stands `anchor` divisions right of the centre stays there.
+    pub fn zoomed(self, waveform: &Waveform, turn: TurnDirection, anchor: f64) -> Self {
+        let (finest, coarsest) = Self::scales(waveform);
+        let scale = Steps::OneTwoAndHalfFive.next(self.scale, turn).clamp(finest, coarsest);
         let scale = if scale.is_normal() { scale } else { self.scale };
         let centre = self.centre + anchor * (self.scale - scale);
         Self { centre, scale }.kept_inside(waveform)

@@ -14,7 +14,7 @@ use crate::tui::model::{Action, Popup, ScreenState};
 use crate::tui::view::layout::ScreenLayout;
 use crate::tui::view::target::target;
 
-pub use bindings::{GROUPS, bindings, hints};
+pub use bindings::{GROUPS, KNOB_HINTS, RECORDING_HINTS, bindings, hints};
 pub use mouse::{mouse_action, reading_action};
 
 /// The action of a key press under `panel`; `None` for unbound keys.
@@ -72,6 +72,8 @@ pub fn action(event: &Event, model: &ScreenState, layout: Option<&ScreenLayout>)
             let reading = layout_below.and_then(|layout| target(model, layout, at));
             match reading {
                 Some(reading) => reading_action(*mouse, reading),
+                // A list is scrolled as a panel's text is.
+                None if model.is_list() => mouse_action(*mouse, Popup::Log, layout),
                 None => mouse_action(*mouse, panel, layout),
             }
         }

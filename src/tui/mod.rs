@@ -26,7 +26,7 @@ use ratatui::layout::{Position, Rect, Size};
 
 use crate::recording::TraceSet;
 use crate::recording::mcap::indexed_recording::IndexedRecording;
-use model::{Action, Palette, ScreenState};
+use model::{Action, Palette, PrintedTables, ScreenState};
 use work::served::ServedConnection;
 use work::{NoteOption, ScreenEvent, Workers};
 
@@ -45,8 +45,17 @@ pub enum ViewSource {
     Served(Box<ServedConnection>),
 }
 
-/// Shows `subject` under the name `title` until the user quits, held against `against` if that is there; `note_option` does what the
-/// commands say of the bench.
+/// What the command line does for the screen.
+#[derive(Debug, Clone, Copy)]
+pub struct CommandLine {
+    /// Does what the commands say of the bench.
+    pub note_option: NoteOption,
+    /// Prints tables.
+    pub tables: PrintedTables,
+}
+
+/// Shows `subject` under the name `title` until the user quits, `behind` it the recordings with these names, held against `against` if that
+/// is there.
 ///
 /// Takes over the terminal and gives it back, after a panic too. Colours are left out where the environment
 /// variable `NO_COLOR` is set and not empty.
@@ -56,8 +65,9 @@ pub enum ViewSource {
 pub fn run(
     subject: ViewSource,
     title: String,
+    behind: Vec<(String, TraceSet)>,
     against: Option<String>,
-    note_option: NoteOption,
+    command_line: CommandLine,
 ) -> io::Result<()> {
     let plain = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
     let palette = if plain { Palette::Plain } else { Palette::Colour };
@@ -75,6 +85,10 @@ pub fn run(
             scope = Some(*served);
         }
     }
+    for (title, set) in behind {
+        model.add_behind(title, set);
+    }
+    model.print_with(command_line.tables);
     if let Some(against) = against {
         model.compare_with(against);
     }
@@ -83,7 +97,7 @@ pub fn run(
         if let Some(scope) = scope {
             staff.watch(scope);
         }
-        staff.note_with(note_option);
+        staff.note_with(command_line.note_option);
         staff.listen();
         show(terminal, &mut model, &staff, &news)
     })

@@ -47,6 +47,13 @@ pub enum PlacedAt {
     Rest(f64),
     /// With bodies that only touch, before anything presses (m).
     Unloaded(f64),
+    /// Where it pulls with this force in the static state.
+    Pull {
+        /// The force (N).
+        force: f64,
+        /// The distance that it follows from (m).
+        distance: f64,
+    },
 }
 
 impl PlacedMagnet {
@@ -72,7 +79,9 @@ impl Effect for MagnetPreload {
             }
             MagnetForce::Placed(PlacedMagnet { magnet, temperature, at }) => {
                 let (distance, when) = match at {
-                    PlacedAt::Rest(distance) => (distance, "at rest"),
+                    PlacedAt::Rest(distance) | PlacedAt::Pull { distance, .. } => {
+                        (distance, "at rest")
+                    }
                     PlacedAt::Unloaded(distance) => (distance, "before anything presses"),
                 };
                 let distance = engineering(*distance, "m", 4);

@@ -18,6 +18,8 @@ use crate::recording::{Direction, ScpiLine, Shot, TraceSet};
 const NO_END: &str = "the file has no end: it was not finished, or cut";
 /// Lines of the log that are kept: of a session that goes on for days, the last ones.
 const LOG_LINES: usize = 1000;
+/// Messages of the remote interface that are read with a shot, before it and after it each.
+const NEIGHBOURING_LINES: usize = 500;
 /// Connections that are told apart.
 const MOST_PEERS: usize = 1000;
 
@@ -52,6 +54,14 @@ struct ByteRange {
     length: u64,
 }
 
+/// A part of the file with messages of the remote interface, and the times of its first and last one (ns since 1970).
+#[derive(Debug, Clone, Copy)]
+struct LineRange {
+    first_ns: u64,
+    last_ns: u64,
+    range: ByteRange,
+}
+
 /// How far a recording has been read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ReadState {
@@ -73,6 +83,9 @@ pub struct IndexedRecording {
     shots: Vec<(u32, Vec<ByteRange>)>,
     /// Place in `shots` of each number.
     known: BTreeMap<u32, usize>,
+    /// When each shot of `known` was taken (ns since 1970).
+    times: BTreeMap<u32, u64>,
+    lines: Vec<LineRange>,
     end: ReadState,
     traffic: Traffic,
 }
@@ -102,6 +115,8 @@ impl IndexedRecording {
             reader: Reader::default(),
             shots: Vec::new(),
             known: BTreeMap::new(),
+            times: BTreeMap::new(),
+            lines: Vec::new(),
             end: ReadState::More,
             traffic: Traffic::default(),
         })
@@ -127,11 +142,18 @@ impl IndexedRecording {
             return Ok(self.end);
         }
         self.reader.take(&record, stretch.start);
+        let times = self.reader.shots.values().map(|shot| (shot.number, shot.timestamp_ns));
+        self.times.extend(times);
         for number in self.reader.forget_shots() {
             self.note(number, stretch);
         }
-        for line in self.reader.forget_traffic() {
-            self.traffic.count(&line);
+        let lines = self.reader.forget_traffic();
+        let times = || lines.iter().map(|line| line.timestamp_ns);
+        if let (Some(first_ns), Some(last_ns)) = (times().min(), times().max()) {
+            self.lines.push(LineRange { first_ns, last_ns, range: stretch });
+        }
+        for line in &lines {
+            self.traffic.count(line);
         }
         self.end = ReadState::More;
         Ok(self.end)
@@ -187,6 +209,45 @@ impl IndexedRecording {
     /// Of how many pieces of the file the shot at `place` is made so far; more may come as long as the file grows.
     pub fn pieces(&self, place: usize) -> usize {
         self.shots.get(place).map_or(0, |(_, stretches)| stretches.len())
+    }
+
+    /// Parts of the file found so far with messages of the remote interface around the shot at `place`.
+    pub fn line_pieces(&self, place: usize) -> usize {
+        self.line_ranges(place).count()
+    }
+
+    fn line_ranges(&self, place: usize) -> impl Iterator<Item = ByteRange> {
+        let (from, to) = self.span_of(place);
+        let inside = move |part: &&LineRange| part.last_ns >= from && part.first_ns <= to;
+        self.lines.iter().filter(inside).map(|part| part.range)
+    }
+
+    /// From the shot before the one at `place` to the one after it (ns since 1970).
+    fn span_of(&self, place: usize) -> (u64, u64) {
+        let time = |place: usize| self.times.get(&self.shots.get(place)?.0).copied();
+        let before = place.checked_sub(1).and_then(time);
+        (before.map_or(0, |at| at + 1), time(place + 1).unwrap_or(u64::MAX))
+    }
+
+    /// Reads the messages of the remote interface from the shot before the one at `place` to the shot after it, in order; of many the nearest.
+    ///
+    /// # Errors
+    /// [`ReadError::File`] where the file cannot be read any more.
+    pub fn lines_around(&mut self, place: usize) -> Result<Vec<ScpiLine>, ReadError> {
+        let (from, to) = self.span_of(place);
+        let mut reader = self.reader.again();
+        for range in self.line_ranges(place).collect::<Vec<ByteRange>>() {
+            if let Some(record) = self.record_at(range.start)? {
+                reader.take(&record, range.start);
+            }
+            reader.shots.clear();
+        }
+        let mut lines = std::mem::take(&mut reader.set.lines);
+        lines.retain(|line| (from..=to).contains(&line.timestamp_ns));
+        let shot = self.shots.get(place).and_then(|(number, _)| self.times.get(number));
+        let before = lines.partition_point(|line| Some(&line.timestamp_ns) <= shot);
+        lines.truncate(before + NEIGHBOURING_LINES);
+        Ok(lines.split_off(before.saturating_sub(NEIGHBOURING_LINES)))
     }
 
     /// What was found so far beside the shots: facts, attachments, the end of the log, problems.

@@ -165,7 +165,7 @@ const TIME: &[Binding] = &[
     binding(
         (BindingScope::Scope, "z a"),
         &[(letter('z'), Action::Reset), (letter('a'), Action::Autoset)],
-        "view as recorded; autoset: show everything",
+        "view as recorded; autoset: first pulses fill the screen",
     ),
     binding(
         (BindingScope::Scope, ", . Home End"),
@@ -176,6 +176,11 @@ const TIME: &[Binding] = &[
             (plain(KeyCode::End), Action::Ends(TurnDirection::Up)),
         ],
         "previous, next, first, last shot",
+    ),
+    binding(
+        (BindingScope::Scope, "O"),
+        &[(letter('O'), Action::NextRecording)],
+        "of several recordings, the next one in front",
     ),
     binding(
         (BindingScope::Scope, "Space < >"),
@@ -233,9 +238,18 @@ const PAGES: &[Binding] = &[
         "comparison: both, overlay, difference, away",
     ),
     binding(
-        (BindingScope::Scope, "k"),
-        &[(letter('k'), Action::Page(Page::Accuracy))],
-        "accuracy: work against precision, effects",
+        (BindingScope::Scope, "k y h"),
+        &[
+            (letter('k'), Action::Page(Page::Accuracy)),
+            (letter('y'), Action::Page(Page::Effects)),
+            (letter('h'), Action::Page(Page::HardCases)),
+        ],
+        "work against precision; effects; hard cases",
+    ),
+    binding(
+        (BindingScope::Scope, "r"),
+        &[(letter('r'), Action::Page(Page::Remote))],
+        "remote commands and replies around the shot",
     ),
 ];
 
@@ -289,6 +303,11 @@ const BENCH: &[Binding] = &[
         "coupling, probe, bandwidth; trigger source; averages",
     ),
 ];
+
+/// Keys that come first on the last line while the panel of knobs is open.
+pub const KNOB_HINTS: &[(&str, &str)] = &[("n - +", "knob"), ("E", "type"), ("o", "on, off")];
+/// The same while several recordings are open.
+pub const RECORDING_HINTS: &[(&str, &str)] = &[("O", "other in front")];
 
 /// Keys that the last line names on a page, in order of use.
 pub fn hints(page: Page) -> &'static [(&'static str, &'static str)] {
@@ -344,6 +363,26 @@ pub fn hints(page: Page) -> &'static [(&'static str, &'static str)] {
             (", .", "shot"),
             ("w", "save"),
         ],
-        Page::Accuracy => &[("?", "help"), ("Esc", "traces"), ("n - +", "knob"), ("w", "save")],
+        Page::Accuracy => &[("?", "help"), ("Esc", "traces"), ("y", "effects"), ("w", "save")],
+        Page::Effects => &[
+            ("?", "help"),
+            ("Esc", "traces"),
+            ("↑ ↓", "effect"),
+            ("o", "on, off"),
+            ("h", "hard cases"),
+            ("k", "accuracy"),
+            ("w", "save"),
+        ],
+        Page::HardCases => {
+            &[("?", "help"), ("Esc", "traces"), ("↑ ↓", "case"), ("y", "effects"), ("w", "save")]
+        }
+        Page::Remote => &[
+            ("?", "help"),
+            ("Esc", "traces"),
+            ("↑ ↓", "message"),
+            ("PgUp PgDn", "ten on"),
+            (", .", "shot"),
+            ("w", "save"),
+        ],
     }
 }

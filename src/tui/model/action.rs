@@ -14,7 +14,7 @@ pub enum Action {
     Back,
     /// Open a panel, or close it when it is open.
     Toggle(Popup),
-    /// Move the text of a panel.
+    /// Move the text of a panel; select another row on a page that is a list.
     Scroll(TurnDirection),
     /// Press a channel's button, counted from 1: selects it and turns it on; if it is selected, turns it off or on.
     Channel(u8),
@@ -37,6 +37,8 @@ pub enum Action {
     Position(TurnDirection),
     /// Move the picture left or right.
     Pan(TurnDirection),
+    /// The next of several recordings comes to the front.
+    NextRecording,
     /// Show another shot.
     Shot(TurnDirection),
     /// Back to how everything was recorded.

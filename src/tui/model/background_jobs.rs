@@ -6,9 +6,9 @@ use crate::measurement::compare::Compared;
 use crate::scope::Waveform;
 use crate::studies::cost::CostStudy;
 use crate::studies::effects::Ledger;
+use crate::studies::hard_cases::CaseResult;
 use crate::studies::uncertainty::TraceBand;
 use crate::trace::Trace;
-use crate::tui::axis::TurnDirection;
 
 /// The answer to a question, or how far it is.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +21,8 @@ pub enum JobAnswer {
     Study(JobState<Box<CostStudy>>),
     /// To [`Request::Ledger`].
     Ledger(JobState<Box<Ledger>>),
+    /// To [`Request::HardCases`].
+    HardCases(JobState<Vec<CaseResult>>),
     /// To [`Request::LiveBands`].
     LiveBands(JobState<Vec<[Trace; 2]>>),
 }
@@ -33,6 +35,7 @@ impl ScreenState {
             JobAnswer::Bands(bands) => self.questions.bands = bands,
             JobAnswer::Study(job) => self.questions.study = job,
             JobAnswer::Ledger(job) => self.questions.ledger = job,
+            JobAnswer::HardCases(job) => self.questions.hard_cases = job,
             // They may have been switched off meanwhile.
             JobAnswer::LiveBands(job) if self.questions.live_bands != JobState::Idle => {
                 if let JobState::Failed(problem) = &job {
@@ -115,32 +118,30 @@ impl ScreenState {
         }
     }
 
-    /// The page of accuracy; its questions are asked the first time.
-    pub(super) fn open_accuracy(&mut self) {
-        self.open_page(Page::Accuracy);
-        if self.page != Page::Accuracy {
+    /// Opens or closes a page that shows a study; its question is asked the first time.
+    pub(super) fn open_study(&mut self, page: Page) {
+        self.open_page(page);
+        if self.page != page {
             return;
         }
-        if self.scene.is_none() {
+        if self.scene.is_none() && page != Page::HardCases {
             self.notice = Some("no scene is known: nothing can be run".to_owned());
             return;
         }
-        if matches!(self.questions.ledger, JobState::Idle | JobState::Failed(_)) {
-            self.questions.ledger = JobState::Busy(0.0);
-            self.requests.push(Request::Ledger);
-        }
-        if matches!(self.questions.study, JobState::Idle | JobState::Failed(_)) {
-            self.questions.study = JobState::Busy(0.0);
-            self.requests.push(Request::Study);
-        }
+        let jobs = &mut self.questions;
+        let (begins, request) = match page {
+            Page::Accuracy => (jobs.study.begin(), Request::Study),
+            Page::Effects => (jobs.ledger.begin(), Request::Ledger),
+            _ => (jobs.hard_cases.begin(), Request::HardCases),
+        };
+        self.requests.extend(begins.then_some(request));
     }
 
     /// Another bench: what was found out about the last one is gone, and what is on screen is asked again.
     pub(super) fn invalidate_studies(&mut self) {
         self.questions.study = JobState::Idle;
         self.questions.ledger = JobState::Idle;
-        if self.page == Page::Accuracy {
-            self.questions.ledger = JobState::Busy(0.0);
+        if self.page == Page::Effects && self.questions.ledger.begin() {
             self.requests.push(Request::Ledger);
         }
     }
@@ -148,20 +149,6 @@ impl ScreenState {
     /// Name of the effect that is selected in the ledger.
     pub fn selected_effect(&self) -> Option<&'static str> {
         let ledger = self.questions.ledger.done()?;
-        ledger.entries.get(self.questions.effect).map(|entry| entry.effect)
-    }
-
-    /// Selects the next knob, or on the page of accuracy the next effect.
-    pub(super) fn next_knob(&mut self, turn: TurnDirection) {
-        let step = |place: usize, count: usize| match turn {
-            TurnDirection::Up => (place + 1) % count.max(1),
-            TurnDirection::Down => place.checked_sub(1).unwrap_or(count.saturating_sub(1)),
-        };
-        if self.page == Page::Accuracy {
-            let count = self.questions.ledger.done().map_or(0, |ledger| ledger.entries.len());
-            self.questions.effect = step(self.questions.effect, count);
-        } else if let Some(live) = self.bench() {
-            live.knob = step(live.knob, super::knobs::BenchKnob::ALL.len());
-        }
+        ledger.entries.get(self.row).map(|entry| entry.effect)
     }
 }

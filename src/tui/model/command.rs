@@ -19,6 +19,8 @@ pub const COMMANDS: &[(&str, &str)] = &[
     (":sensor CH1=FILE", "a channel's sensor, by name or file"),
     (":distance CH1-CH2=D", "along the chain, e.g. 47.2 mm +- 0.1 mm"),
     (":set PATH VALUE", "change the bench's scene, e.g. :set striker.speed 0.6 m/s"),
+    (":effects", "what each effect of the bench changes, and what it costs"),
+    (":hard-cases", "cases that are hard to integrate, each with its bound"),
     (":quit", "leave"),
 ];
 
@@ -117,11 +119,16 @@ impl ScreenState {
             self.set_typed(rest);
         } else if let Some(option) = bench_option(word) {
             self.note(option, rest);
+        } else if is("effects") {
+            self.open_study(Page::Effects);
+        } else if is("hard-cases") {
+            self.open_study(Page::HardCases);
         } else if is("quit") {
             self.running = false;
         } else {
-            let known: Vec<&str> = COMMANDS.iter().map(|(command, _)| *command).collect();
-            self.notice = Some(format!("found {word}, expected one of {}", known.join(", ")));
+            let known = COMMANDS.iter().filter_map(|(command, _)| command.split(' ').next());
+            let known: Vec<&str> = known.collect();
+            self.notice = Some(format!("found :{word}, expected one of {}", known.join(" ")));
         }
     }
 

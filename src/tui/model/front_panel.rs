@@ -5,14 +5,12 @@ use super::knobs::{pending, typed};
 use super::live_state::TunedSettings;
 use super::state::{Page, RunState};
 use crate::scope::{AcquireMode, Slope, Source, TriggerMode, Waveform};
-use crate::tui::axis::{DIVISIONS_UP, Steps, TurnDirection, Vertical, ViewWindow, is_spectrum};
+use crate::tui::axis::{TurnDirection, Vertical, ViewWindow};
 
 /// A division in so many presses of a position key (1).
 const PRESSES_PER_DIVISION: f64 = 2.0;
 /// A turn of the trigger level (div).
 const LEVEL_STEP: f64 = 0.1;
-/// Autoset leaves this share of the screen free (1).
-const AUTOSET_MARGIN: f64 = 0.25;
 
 impl ScreenState {
     /// The other trigger mode.
@@ -43,7 +41,7 @@ impl ScreenState {
     }
 
     /// Whether the knobs set the scope and not the picture.
-    fn sets_the_scope(&self) -> bool {
+    pub(super) fn sets_the_scope(&self) -> bool {
         let runs = |live: &super::LiveBench| live.acquisition != RunState::Stopped;
         self.live.as_ref().is_some_and(runs)
     }
@@ -80,12 +78,18 @@ impl ScreenState {
         match self.scope_setting("position") {
             Some((path, vertical)) => {
                 let now = self.set_for(&path).unwrap_or(vertical.position);
-                self.set_value(path, typed(now + step, "div"));
+                self.set_value(path, typed(self.panel_position(now + step), "div"));
             }
             None => {
                 self.adjust(|_, vertical| Vertical { position: vertical.moved(step), ..vertical });
             }
         }
+    }
+
+    /// The scope's vertical position nearest to `position` (div).
+    pub(super) fn panel_position(&self, position: f64) -> f64 {
+        let step = self.scope().map_or(0.0, |scope| scope.model.position_step);
+        if step > 0.0 { (position / step).round() * step } else { position }
     }
 
     /// The s/div knob; what stands `anchor` divisions right of the centre stays there.
@@ -263,37 +267,6 @@ impl ScreenState {
             }
             self.set_value(format!("{path}.probe"), typed(*next, ""));
         }
-    }
-
-    /// Scales and positions that show all of every trace, one band a trace from top to bottom.
-    pub(super) fn autoset(&mut self) {
-        let shown: Vec<Waveform> = self
-            .traces
-            .iter()
-            .map(|capture| capture.waveform.clone())
-            .filter(|waveform| self.visibility(waveform) == super::Visibility::Shown)
-            .filter(|waveform| !is_spectrum(waveform))
-            .collect();
-        let band =
-            f64::from(DIVISIONS_UP) / f64::from(u16::try_from(shown.len().max(1)).unwrap_or(1));
-        for (place, waveform) in (0..).zip(&shown) {
-            let values = waveform.codes.iter().map(|code| waveform.volts_of(*code));
-            let (low, high) = values
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-                    (low.min(value), high.max(value))
-                });
-            if !(high - low).is_normal() {
-                continue;
-            }
-            let room = band * (1.0 - AUTOSET_MARGIN);
-            let scale = Steps::OneTwoFive.at_least((high - low) / room);
-            let middle = f64::from(DIVISIONS_UP) / 2.0 - band * (f64::from(place) + 0.5);
-            // Half divisions are easier to read.
-            let position = (2.0 * (middle - f64::midpoint(low, high) / scale)).round() / 2.0;
-            let adjustment = self.adjustments.entry(waveform.source).or_default();
-            (adjustment.scale, adjustment.position) = (Some(scale), Some(position));
-        }
-        self.window = None;
     }
 
     /// Changes how the selected trace stands on the screen; back at the recorded setting, nothing is kept.

@@ -5,6 +5,26 @@ use super::{Page, ScreenState};
 use crate::tui::axis::TurnDirection;
 
 impl ScreenState {
+    /// Selects the next knob of those that the bench has, or on a page that is a list the next row.
+    pub(super) fn next_knob(&mut self, turn: TurnDirection) {
+        if self.is_list() {
+            return self.move_row(turn.other(), 1);
+        }
+        let scene = self.scene.clone();
+        let Some(live) = self.bench() else { return };
+        let count = BenchKnob::ALL.len();
+        let step = match turn {
+            TurnDirection::Up => 1,
+            TurnDirection::Down => count - 1,
+        };
+        let is_shown = |place: usize| {
+            let knob = BenchKnob::ALL.get(place);
+            knob.zip(scene.as_ref()).is_none_or(|(knob, scene)| knob.is_shown(scene))
+        };
+        let places = (1..=count).map(|turns| (live.knob + turns * step) % count);
+        live.knob = places.into_iter().find(|place| is_shown(*place)).unwrap_or(live.knob);
+    }
+
     /// Turns the selected knob.
     pub(super) fn turn_knob(&mut self, turn: TurnDirection) {
         let Some(live) = self.bench() else { return };
@@ -19,18 +39,21 @@ impl ScreenState {
 
     /// Opens the command line to type a value for the selected knob.
     pub(super) fn type_knob(&mut self) {
-        let Some(knob) = self.bench().map(|live| live.knob) else { return };
-        let path = self
-            .scene
-            .as_ref()
-            .and_then(|scene| BenchKnob::ALL.get(knob)?.path_in(scene, self.selected));
-        match path {
+        let Some(knob) = self.bench().and_then(|live| BenchKnob::ALL.get(live.knob)) else {
+            return;
+        };
+        let Some(scene) = &self.scene else { return };
+        let is_off = knob.effect.is_some() && knob.value(scene, self.selected).is_none();
+        match knob.path_in(scene, self.selected) {
+            Some(_) if is_off => {
+                self.notice = Some(format!("{} is off: o switches it on", knob.label));
+            }
             Some(path) => self.open_prompt(&format!("set {path} ")),
             None => self.notice = Some("select a channel with a sensor first".to_owned()),
         }
     }
 
-    /// Switches the selected knob's effect, or on the page of accuracy the selected effect.
+    /// Switches the selected knob's effect, or on the page of effects the selected one.
     pub(super) fn switch_effect(&mut self) {
         if self.bench().is_none() {
             return;
@@ -40,7 +63,7 @@ impl ScreenState {
             self.notice = Some(word.to_owned());
             return;
         }
-        let named = if self.page == Page::Accuracy {
+        let named = if self.page == Page::Effects {
             self.selected_effect()
         } else {
             self.live.as_ref().and_then(|live| BenchKnob::ALL.get(live.knob)?.effect)

@@ -1,7 +1,7 @@
 //! The bench's knobs: where each stands in a scene, how it reads, and how far a turn takes it.
 
 use super::live_state::TunedSettings;
-use crate::chain::{LossSpec, MagnetForce};
+use crate::chain::{End, LossSpec, MagnetForce, PlacedAt};
 use crate::experiment::outcome::effects;
 use crate::quantity::{engineering, parse_any};
 use crate::scene::{LOOSEST_ACCURACY, Scene, TIGHTEST_ACCURACY};
@@ -12,20 +12,26 @@ use crate::tui::axis::TurnDirection;
 const TURNS_PER_DECADE: f64 = 24.0;
 /// Digits of a value that is typed.
 const KNOB_DIGITS: usize = 3;
-/// Where a plate stops being inside its particle (1).
-const MAX_OFFSET: f64 = 0.5;
-/// One turn of a plate's offset (1).
-const OFFSET_STEP: f64 = 0.05;
+/// One turn of a plate's offset, and where it stops being inside its particle (1).
+const OFFSET: KnobStep = KnobStep::Difference { step: 0.05, farthest: 0.5 };
+/// One turn of a magnet's distance, and the farthest (m).
+const DISTANCE: KnobStep = KnobStep::Difference { step: 0.1e-3, farthest: 1.0 };
+
+/// Key of a force.
+const FORCE: &str = "force";
+const MAGNET_FORCE: &str = "effects.magnet_preload.force";
+const MAGNET_DISTANCE: &str = "effects.magnet_preload.distance";
+const FORCE_ON_TOP: &str = "chain.top.force";
 
 /// How a turn changes a knob.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 enum KnobStep {
     /// By an equal ratio.
     Ratio,
     /// To the next power of ten.
     Decade,
-    /// By an equal difference.
-    Offset,
+    /// By an equal difference, to either side of zero (unit).
+    Difference { step: f64, farthest: f64 },
 }
 
 /// A knob of the bench.
@@ -33,7 +39,8 @@ enum KnobStep {
 pub struct BenchKnob {
     /// Its label.
     pub label: &'static str,
-    /// Where it stands in a scene; `{}` is the selected channel's sensor.
+    /// Where it stands in a scene; `{}` is the selected channel's sensor. Of a force on top and a magnet's distance, [`Self::path_in`] knows
+    /// the last key.
     path: &'static str,
     /// Unit in which it is typed.
     unit: &'static str,
@@ -79,6 +86,22 @@ fn offset(scene: &Scene, source: Option<Source>) -> Option<f64> {
     scene.sensors.get(index).map(|sensor| sensor.offset)
 }
 
+/// The key that says where a magnet is, and what it says (N or m).
+fn magnet(scene: &Scene) -> Option<(&'static str, f64)> {
+    match &scene.spec.effects.magnet_preload.as_ref()?.force {
+        MagnetForce::Constant(force) => Some((FORCE, *force)),
+        MagnetForce::Placed(placed) => Some(match placed.at {
+            PlacedAt::Rest(distance) => ("distance", distance),
+            PlacedAt::Unloaded(distance) => ("distance_unloaded", distance),
+            PlacedAt::Pull { force, .. } => (FORCE, force),
+        }),
+    }
+}
+
+fn magnet_distance(scene: &Scene) -> Option<f64> {
+    magnet(scene).filter(|(key, _)| *key != FORCE).map(|(_, distance)| distance)
+}
+
 impl BenchKnob {
     /// All knobs, in the order of the panel.
     pub const ALL: &'static [Self] = &[
@@ -86,17 +109,24 @@ impl BenchKnob {
             s.spec.striker.as_ref().map(|striker| striker.mass)
         }),
         knob("striker speed", "striker.speed", ("m/s", 1.0), None, |s, _| s.striker_speed()),
-        knob(
-            "magnet force",
-            "effects.magnet_preload.force",
-            ("N", 1.0),
-            Some("magnet_preload"),
-            |s, _| match s.spec.effects.magnet_preload.as_ref()?.force {
-                MagnetForce::Constant(force) => Some(force),
-                // How hard it pulls follows from where it stands.
-                MagnetForce::Placed(_) => None,
-            },
-        ),
+        knob("magnet force", MAGNET_FORCE, ("N", 1.0), Some("magnet_preload"), |s, _| {
+            magnet(s).filter(|(key, _)| *key == FORCE).map(|(_, force)| force)
+        }),
+        Self {
+            turning: DISTANCE,
+            ..knob(
+                "magnet distance",
+                MAGNET_DISTANCE,
+                ("mm", 1e-3),
+                Some("magnet_preload"),
+                |s, _| magnet_distance(s),
+            )
+        },
+        knob("force on top", FORCE_ON_TOP, ("N", 1.0), None, |s, _| match s.spec.top {
+            End::Force(force) => Some(force),
+            End::Wall(_) => Some(s.spec.wall_preload),
+            End::Free => None,
+        }),
         knob("gravity", "effects.gravity.acceleration", ("m/s^2", 1.0), Some("gravity"), |s, _| {
             s.spec.effects.gravity.as_ref().map(|gravity| gravity.acceleration)
         }),
@@ -123,7 +153,7 @@ impl BenchKnob {
         ),
         knob("sensitivity", "sensors.{}.sensitivity", ("mV/N", 1e-3), None, sensitivity),
         Self {
-            turning: KnobStep::Offset,
+            turning: OFFSET,
             ..knob("plate offset", "sensors.{}.offset", ("", 1.0), None, offset)
         },
     ];
@@ -136,15 +166,39 @@ impl BenchKnob {
             None => "-".to_owned(),
             Some(value) if self.turning == KnobStep::Decade => format!("{value:.0e}"),
             Some(value) if self.unit == "div" => format!("{value:.3} div"),
-            Some(value) if self.turning == KnobStep::Offset => format!("{value:+.2}"),
+            Some(value) if self.turning == OFFSET => format!("{value:+.2}"),
             // Masses are told in grams, which are no SI unit.
             Some(value) if self.unit == "g" => engineering(value / self.scale, "g", KNOB_DIGITS),
             Some(value) => engineering(value, self.si_unit(), KNOB_DIGITS),
         }
     }
 
+    /// Its value on `scene`, for the sensor at `source`; none where the scene has none (unit).
+    pub fn value(&self, scene: &Scene, source: Option<Source>) -> Option<f64> {
+        (self.read)(scene, source)
+    }
+
+    /// Whether the panel shows it: of a magnet either its force or its distance.
+    pub fn is_shown(&self, scene: &Scene) -> bool {
+        let is_placed = magnet_distance(scene).is_some();
+        match self.path {
+            MAGNET_FORCE => !is_placed,
+            MAGNET_DISTANCE => is_placed,
+            _ => true,
+        }
+    }
+
     /// Where the knob stands in `scene`, for the sensor at `source`; none where no sensor is there.
     pub fn path_in(&self, scene: &Scene, source: Option<Source>) -> Option<String> {
+        match self.path {
+            MAGNET_DISTANCE => {
+                return magnet(scene).map(|(key, _)| format!("effects.magnet_preload.{key}"));
+            }
+            FORCE_ON_TOP if matches!(scene.spec.top, End::Wall(_)) => {
+                return Some("chain.top.preload".to_owned());
+            }
+            _ => {}
+        }
         let named = sensor_of(scene, source).map(|(_, name)| name);
         let is_missing = self.path.contains("{}") && named.is_none();
         (!is_missing).then(|| self.path.replace("{}", named.unwrap_or_default()))
@@ -153,6 +207,7 @@ impl BenchKnob {
     fn si_unit(&self) -> &'static str {
         match self.unit {
             "us" => "s",
+            "mm" => "m",
             "mV/N" => "V/N",
             other => other,
         }
@@ -184,11 +239,15 @@ impl BenchKnob {
             (None, _) if self.effect.is_some() => {
                 return Err(format!("{} is off: o switches it on", self.label));
             }
-            (None, _) => return Err(format!("this bench has no {}", self.label)),
+            (None, _) => {
+                return Err(format!("this bench has no {}: E types a value", self.label));
+            }
         };
         let value = match self.turning {
             KnobStep::Ratio => now * 10f64.powf(turn.sign() / TURNS_PER_DECADE) / self.scale,
-            KnobStep::Offset => (now + turn.sign() * OFFSET_STEP).clamp(-MAX_OFFSET, MAX_OFFSET),
+            KnobStep::Difference { step, farthest } => {
+                (now + turn.sign() * step).clamp(-farthest, farthest) / self.scale
+            }
             KnobStep::Decade => {
                 let decade = 10f64.powf(now.log10().round() + turn.sign());
                 decade.clamp(TIGHTEST_ACCURACY, LOOSEST_ACCURACY)
@@ -216,6 +275,7 @@ fn first_settings(effect: &str) -> Option<&'static [(&'static str, &'static str)
         "dashpot" => Some(&[("gamma", "0.1 N*s/m"), ("end_of_contact", "zero_force")]),
         "kuwabara_kono" => Some(&[("eta", "1 us"), ("end_of_contact", "zero_force")]),
         "scope_noise" => Some(&[("rms", "0.02 div")]),
+        "magnet_preload" => Some(&[("force", "1 N"), ("particle", "1")]),
         _ => None,
     }
 }

@@ -6,6 +6,7 @@
 
 mod accessors;
 mod action;
+mod autoset;
 pub mod background_jobs;
 mod band;
 pub mod command;
@@ -15,13 +16,17 @@ pub mod features;
 mod front_panel;
 mod knob_actions;
 pub mod knobs;
+pub mod lists;
 mod live;
 pub mod live_state;
 mod math_mode;
+pub mod recording_behind;
+mod recordings;
 mod replay;
 mod screen_state;
 mod selection;
 pub mod served;
+mod shot_traces;
 pub mod state;
 mod traces;
 mod update;
@@ -34,7 +39,7 @@ pub use math_mode::MathMode;
 pub use screen_state::ScreenState;
 pub use state::{
     BackgroundJobs, BenchOption, CursorKind, Cursors, Derived, JobState, MeasurementReading,
-    Overlay, Page, Palette, PersistedTraces, Playback, Popup, Request, RunState, SidePanel,
-    StrikeRequest, Visibility, ordinate_unit,
+    Overlay, Page, Palette, PersistedTraces, Playback, Popup, PrintedTables, Request, RunState,
+    SidePanel, StrikeRequest, Visibility, ordinate_unit,
 };
 pub use update::update;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::ScreenState;
 use super::state::{Page, PartialRecording, PersistedTraces, Request, SidePanel};
 use crate::recording::mcap::ShotNotes;
-use crate::recording::{Shot, TraceSet, TrueSignal};
+use crate::recording::{ScpiLine, Shot, TraceSet, TrueSignal};
 use crate::trace::Trace;
 use crate::tui::axis::{TurnDirection, ViewWindow};
 
@@ -50,10 +50,11 @@ impl ScreenState {
         let (follow, is_noted) = (tape.follows, tape.is_noted);
         let shots = std::mem::take(&mut self.set.shots);
         let notes = std::mem::take(&mut self.set.notes);
+        let lines = std::mem::take(&mut self.set.lines);
         let facts_changed =
             self.set.attachments != facts.attachments || self.set.metadata != facts.metadata;
         let known = std::mem::take(&mut self.set);
-        self.set = TraceSet { shots, notes, ..facts };
+        self.set = TraceSet { shots, lines, notes, ..facts };
         if is_noted {
             (self.set.metadata, self.set.attachments) = (known.metadata, known.attachments);
         }
@@ -82,9 +83,10 @@ impl ScreenState {
         }
     }
 
-    /// What is kept of the shot on screen beside captures and truth.
-    pub fn note_shot(&mut self, shot: &Shot, notes: ShotNotes) {
+    /// What is kept of the shot on screen beside captures and truth, and the messages of the remote interface around it.
+    pub fn note_shot(&mut self, shot: &Shot, notes: ShotNotes, lines: Vec<ScpiLine>) {
         self.set.notes = BTreeMap::from([(shot.number, notes)]);
+        self.set.lines = lines;
     }
 
     /// The shot that was asked for.
@@ -95,7 +97,7 @@ impl ScreenState {
         let before = self.recorded_window();
         // The rest of a shot that was still being written.
         let again = self.on_tape.is_some_and(|tape| tape.here == Some(place));
-        let time = self.play.bench_time;
+        let (time, row) = (self.play.bench_time, self.row);
         if !again {
             self.persist_traces();
         }
@@ -105,7 +107,7 @@ impl ScreenState {
         self.set.shots = vec![shot];
         self.after_shot_change(before);
         if again {
-            self.play.bench_time = time;
+            (self.play.bench_time, self.row) = (time, row);
         }
     }
 
@@ -165,6 +167,7 @@ impl ScreenState {
     pub(super) fn after_shot_change(&mut self, before: Option<ViewWindow>) {
         self.play.bench_time = 0.0;
         self.reload_traces();
+        self.select_first_row();
         let alike = match (before, self.recorded_window()) {
             (Some(before), Some(now)) => before.same_as(&now),
             _ => false,
@@ -265,6 +268,7 @@ impl ScreenState {
     pub(super) fn open_page(&mut self, page: Page) {
         self.page = if self.page == page { Page::Scope } else { page };
         self.play.running = false;
+        self.select_first_row();
         self.derive();
     }
 

@@ -1,12 +1,13 @@
 //! The state of the screen, and what all actions need of it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 
 use super::live_state::LiveBench;
 use super::math_mode::MathMode;
+use super::recording_behind::RecordingBehind;
 use super::state::{
     Adjustment, BackgroundJobs, Cursors, Derived, Overlay, Page, Palette, PartialRecording,
-    PersistedTraces, Playback, Popup, Request, SidePanel,
+    PersistedTraces, Playback, Popup, PrintedTables, Request, SidePanel,
 };
 use crate::measurement::metadata;
 use crate::recording::{Capture, TraceSet};
@@ -23,6 +24,10 @@ pub struct ScreenState {
     /// The bench that was recorded, or that is struck.
     pub(super) scene: Option<Scene>,
     pub(super) title: String,
+    /// Recordings behind this one, from the next to come to the front.
+    pub(super) behind: VecDeque<RecordingBehind>,
+    /// Which of them is in front: 0 is the one that was opened first.
+    pub(super) in_front: usize,
     pub(super) palette: Palette,
     pub(super) shot: usize,
     /// Counts the changes of `traces`.
@@ -49,6 +54,9 @@ pub struct ScreenState {
     /// Place in `typed_lines` of the line that was brought back.
     pub(super) recalled: usize,
     pub(super) scroll: usize,
+    /// Place of the selected row on a page that is a list.
+    pub(super) row: usize,
+    pub(super) tables: Option<PrintedTables>,
     pub(super) play: Playback,
     pub(super) live: Option<LiveBench>,
     pub(super) compared_with: Option<String>,
@@ -68,6 +76,8 @@ impl ScreenState {
             on_tape: None,
             scene: None,
             title,
+            behind: VecDeque::new(),
+            in_front: 0,
             palette,
             shot: 0,
             version: 0,
@@ -90,6 +100,8 @@ impl ScreenState {
             typed_lines: Vec::new(),
             recalled: 0,
             scroll: 0,
+            row: 0,
+            tables: None,
             play: Playback::default(),
             live: None,
             compared_with: None,

@@ -12,6 +12,7 @@ use crate::recording::Capture;
 use crate::scope::{Source, Waveform};
 use crate::studies::cost::CostStudy;
 use crate::studies::effects::Ledger;
+use crate::studies::hard_cases::CaseResult;
 use crate::studies::uncertainty::TraceBand;
 use crate::trace::Trace;
 
@@ -45,8 +46,14 @@ pub enum Page {
     Bench,
     /// The measurement against the simulation.
     Compare,
-    /// Work against precision, and the effects.
+    /// Work against precision.
     Accuracy,
+    /// What each effect changes.
+    Effects,
+    /// Cases that are hard to integrate.
+    HardCases,
+    /// Messages of the remote interface around the shot.
+    Remote,
 }
 
 /// A panel beside the page.
@@ -178,6 +185,15 @@ pub enum BenchOption {
     Distance,
 }
 
+/// How the commands of the same names print results; the screen shows their tables.
+#[derive(Debug, Clone, Copy)]
+pub struct PrintedTables {
+    /// As `effects` does.
+    pub effects: fn(&Ledger) -> String,
+    /// As `hard-cases` does.
+    pub hard_cases: fn(&[CaseResult]) -> String,
+}
+
 /// A request of the model to the workers; it does no input and no output itself.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Request {
@@ -195,6 +211,8 @@ pub enum Request {
     Study,
     /// Make the ledger of effects.
     Ledger,
+    /// Run the hard cases.
+    HardCases,
     /// Write what the file's ending says.
     Save(PathBuf),
     /// Send this command to the served scope.
@@ -228,6 +246,15 @@ pub enum JobState<T> {
 }
 
 impl<T> JobState<T> {
+    /// Begins the job unless it is at work or done; whether it has to be asked for.
+    pub(super) fn begin(&mut self) -> bool {
+        let begins = matches!(self, Self::Idle | Self::Failed(_));
+        if begins {
+            *self = Self::Busy(0.0);
+        }
+        begins
+    }
+
     /// The result, if it is there.
     pub fn done(&self) -> Option<&T> {
         match self {
@@ -248,10 +275,10 @@ pub struct BackgroundJobs {
     pub study: JobState<Box<CostStudy>>,
     /// Cost and change of each effect.
     pub ledger: JobState<Box<Ledger>>,
+    /// Results of the hard cases.
+    pub hard_cases: JobState<Vec<CaseResult>>,
     /// Lower and upper edge of where 95 % of each channel's traces lie, by what the scene does not know.
     pub live_bands: JobState<Vec<[Trace; 2]>>,
-    /// Place of the selected effect in the ledger.
-    pub effect: usize,
 }
 
 impl Default for BackgroundJobs {
@@ -261,8 +288,8 @@ impl Default for BackgroundJobs {
             bands: Vec::new(),
             study: JobState::Idle,
             ledger: JobState::Idle,
+            hard_cases: JobState::Idle,
             live_bands: JobState::Idle,
-            effect: 0,
         }
     }
 }

@@ -1,56 +1,22 @@
 //! Which traces there are: those of the shot in volts or newtons, the math trace, the references.
 
 use super::ScreenState;
-use crate::measurement::force::{Forces, ForcesError, forces};
+use super::shot_traces::shot_traces;
 use crate::recording::{Capture, TrueSignal};
-use crate::scope::{Source, VerticalSetup, Waveform};
+use crate::scope::{Source, Waveform};
 use crate::trace::Trace;
-use crate::tui::axis::Steps;
-
-/// Levels of a force that was turned into a record: as many as sixteen bits have on one side (1).
-const FORCE_LEVELS: f64 = 32000.0;
-
-/// A force as a record: levels of sixteen bits, on a scale that leaves the trace where its volts stood.
-fn as_record(volts: &Capture, forces: &Forces) -> Capture {
-    let force = &forces.force;
-    let largest = force.values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-    let level = if largest > 0.0 { largest / FORCE_LEVELS } else { 1.0 };
-    let codes = force.values.iter().map(|value| (value / level).round() as i16).collect();
-    let recorded = &volts.waveform;
-    let sensitivity = forces.sensor.sensitivity.unwrap_or(1.0);
-    let scale = Steps::OneTwoFive.at_least(recorded.vertical.scale / sensitivity);
-    let mut preamble = recorded.preamble.clone();
-    (preamble.y_mult, preamble.y_off, preamble.y_zero) = (level, 0.0, 0.0);
-    "N".clone_into(&mut preamble.y_unit);
-    let vertical = VerticalSetup { scale, ..recorded.vertical };
-    let waveform = Waveform { codes, preamble, vertical, ..recorded.clone() };
-    Capture { waveform, ..volts.clone() }
-}
 
 impl ScreenState {
     /// Makes the list of traces again.
     pub(super) fn rebuild(&mut self) {
+        self.behind.iter_mut().for_each(|other| other.rebuild(self.newtons));
         let Some(shot) = self.set_shot() else {
             self.traces = self.references.clone();
             return;
         };
-        let mut traces = shot.captures.clone();
-        if self.newtons {
-            let mut missing = None;
-            for (trace, force) in traces.iter_mut().zip(forces(&self.set, shot)) {
-                match force {
-                    Ok(forces) => *trace = as_record(trace, &forces),
-                    Err(ForcesError::NoSensor { channel }) => {
-                        missing = Some(format!(
-                            "no calibration for {channel}: cannot show newtons (give one with --sensor)"
-                        ));
-                    }
-                    Err(problem) => missing = Some(format!("cannot show newtons: {problem}")),
-                }
-            }
-            if missing.is_some() {
-                self.notice = missing;
-            }
+        let (mut traces, missing) = shot_traces(&self.set, shot, self.newtons);
+        if missing.is_some() {
+            self.notice = missing;
         }
         if let Some(math) = self.math.trace(&traces) {
             traces.retain(|trace| trace.waveform.source != Source::Math);

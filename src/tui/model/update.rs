@@ -9,6 +9,9 @@ use crate::scope::Source;
 use crate::tui::axis::TurnDirection;
 use crate::tui::keys::{GROUPS, bindings};
 
+/// Rows that the keys of a page pass.
+const PAGE_ROWS: usize = 10;
+
 /// Does what `action` asks.
 pub fn update(model: &mut ScreenState, action: Action) {
     if !matches!(action, Action::Tick(_)) {
@@ -19,6 +22,8 @@ pub fn update(model: &mut ScreenState, action: Action) {
         Action::Back => back(model),
         Action::Toggle(panel) => toggle(model, panel),
         Action::Scroll(turn) => scroll(model, turn),
+        Action::VoltsPerDivision(turn) if model.is_list() => model.move_row(turn.other(), 1),
+        Action::TriggerLevel(turn) if model.is_list() => model.move_row(turn, PAGE_ROWS),
         Action::Channel(number) => press(model, Source::Channel(number)),
         Action::Trace(source) => press(model, source),
         Action::NextTrace(turn) => next_trace(model, turn),
@@ -41,11 +46,14 @@ pub fn update(model: &mut ScreenState, action: Action) {
         Action::SnapToArrival => model.snap_to_arrival(),
         Action::Press { x, y } => model.press_at(x, y),
         Action::Drag { x, y } => model.drag_to(x, y),
-        Action::Page(Page::Accuracy) => model.open_accuracy(),
+        Action::Page(page @ (Page::Accuracy | Page::Effects | Page::HardCases)) => {
+            model.open_study(page);
+        }
         Action::Page(page) => model.open_page(page),
         Action::Side(SidePanel::Knobs) if model.bench().is_none() => {}
         Action::Side(side) => model.open_side(side),
         Action::Compare => model.next_overlay(),
+        Action::NextRecording => model.next_recording(),
         Action::Shot(turn) => {
             step(model, turn);
             model.follow_from_here();
@@ -76,6 +84,19 @@ pub fn update(model: &mut ScreenState, action: Action) {
         Action::Switch => model.switch_effect(),
         Action::TypeKnob => model.type_knob(),
         Action::Prompt(start) => model.open_prompt(start),
+        typed @ (Action::Type(_)
+        | Action::Erase
+        | Action::Submit
+        | Action::Complete
+        | Action::Recall(_)
+        | Action::Search) => type_on_the_prompt(model, typed),
+    }
+    model.derive();
+}
+
+/// What is typed on the command line, or where a search is typed.
+fn type_on_the_prompt(model: &mut ScreenState, action: Action) {
+    match action {
         Action::Type(letter) => model.prompt.push(letter),
         Action::Erase => erase(model),
         Action::Submit if model.panel == Popup::Search => model.panel = Popup::Help,
@@ -87,8 +108,8 @@ pub fn update(model: &mut ScreenState, action: Action) {
             model.scroll = 0;
             model.panel = Popup::Search;
         }
+        _ => {}
     }
-    model.derive();
 }
 
 /// Takes the last letter back; before the first one the command line closes.
@@ -136,7 +157,7 @@ fn toggle(model: &mut ScreenState, panel: Popup) {
 /// Moves a panel's text by a line; there is always a line left to see.
 fn scroll(model: &mut ScreenState, turn: TurnDirection) {
     let last = match model.panel {
-        Popup::Scope | Popup::Prompt => 0,
+        Popup::Scope | Popup::Prompt => return model.move_row(turn, 1),
         Popup::Help | Popup::Search => bindings().count() + 2 * GROUPS.len() + COMMANDS.len(),
         Popup::Log => model.set.problems.len() + model.set.log.len(),
     };

@@ -1,4 +1,4 @@
-//! Time against accuracy on this scene, the present setting, and the change by each effect.
+//! Time against accuracy on this scene, and the present setting.
 
 use ratatui::Frame;
 use ratatui::layout::Rect;
@@ -6,51 +6,34 @@ use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::Line;
 use ratatui::widgets::Paragraph;
 
-use super::axes::{put, whole};
+use super::axes::put;
+use super::divisions::whole;
 use super::layout::ScreenLayout;
 use super::sheet::{Diagram, DiagramAxis};
 use super::{colour, message};
 use crate::studies::cost::{ChosenMethod, CostStudy, Point};
-use crate::studies::effects::{EffectState, Ledger, LedgerEntry};
 use crate::tui::model::{JobState, ScreenState};
 
-/// From this width on study and ledger stand side by side.
-const SIDE_BY_SIDE_WIDTH: u16 = 130;
 /// Errors that the plot reaches from (1).
 const MIN_ERROR: f64 = 1e-14;
-/// Columns of the ledger.
-const LEDGER_WIDTH: u16 = 70;
 
 /// Draws the page.
 pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let area = layout.page;
-    let (plot, list) = if area.width >= SIDE_BY_SIDE_WIDTH {
-        let left = Rect { width: area.width - LEDGER_WIDTH, ..area };
-        (left, Rect { x: left.right(), width: LEDGER_WIDTH, ..area })
-    } else {
-        let upper = Rect { height: area.height / 2, ..area };
-        (upper, Rect { y: upper.bottom(), height: area.height - upper.height, ..area })
-    };
     match &model.questions().study {
-        JobState::Done(study) => study_of(model, study, plot, frame),
-        JobState::Busy(share) => busy("work-precision study", *share, plot, frame),
-        JobState::Failed(problem) => message(problem, plot, frame),
-        JobState::Idle => message("another bench than was studied: k, k asks again", plot, frame),
-    }
-    match &model.questions().ledger {
-        JobState::Done(ledger) => ledger_of(model, ledger, list, frame),
-        JobState::Busy(share) => busy("effects, each with and without", *share, list, frame),
-        JobState::Failed(problem) => message(problem, list, frame),
-        JobState::Idle => message("another bench than was measured: k, k asks again", list, frame),
+        JobState::Done(study) => study_of(model, study, area, frame),
+        JobState::Busy(share) => busy("the work-precision study", *share, area, frame),
+        JobState::Failed(problem) => message(problem, area, frame),
+        JobState::Idle => message("another bench than was studied: k, k asks again", area, frame),
     }
 }
 
 /// The running jobs with their progress.
-fn busy(what: &str, share: f64, area: Rect, frame: &mut Frame) {
+pub(super) fn busy(what: &str, share: f64, area: Rect, frame: &mut Frame) {
     const WIDTH: usize = 20;
     let done = usize::from(whole(share.clamp(0.0, 1.0) * 20.0));
     let bar: String = (0..WIDTH).map(|i| if i < done { '━' } else { '─' }).collect();
-    message(&format!("{what} {bar} {:.0} %", 100.0 * share), area, frame);
+    message(&format!("computing {what} {bar} {:.0} %", 100.0 * share), area, frame);
 }
 
 /// A letter and a colour for each method.
@@ -146,53 +129,4 @@ fn legend(model: &ScreenState, study: &CostStudy, width: u16) -> Vec<Line<'stati
         }
     }
     lines
-}
-
-fn share(value: Option<f64>) -> String {
-    value.map_or_else(|| "-".to_owned(), |value| format!("{:+.2}%", 100.0 * value))
-}
-
-fn entry_line(entry: &LedgerEntry) -> String {
-    let state = match entry.state {
-        EffectState::On => "on",
-        EffectState::Off => "off",
-        EffectState::Auto => "auto",
-    };
-    let change = entry.change;
-    let lsb =
-        change.and_then(|c| c.peak_lsb).map_or_else(|| "-".to_owned(), |v| format!("{v:+.2}"));
-    format!(
-        "{:<20} {:<4}{:>9}{:>9}{:>9}{:>7} {}",
-        entry.effect,
-        state,
-        share(change.and_then(|c| c.peak)),
-        share(change.and_then(|c| c.arrival)),
-        share(change.and_then(|c| c.speed)),
-        lsb,
-        entry.verdict.word()
-    )
-}
-
-fn ledger_of(model: &ScreenState, ledger: &Ledger, area: Rect, frame: &mut Frame) {
-    let bold = Style::new().add_modifier(Modifier::BOLD);
-    let head = format!(
-        "{:<20} {:<4}{:>9}{:>9}{:>9}{:>7} {}",
-        "effect, with/without", "", "peak", "arrival", "speed", "LSB", "verdict"
-    );
-    let rows = usize::from(area.height.saturating_sub(2)).max(1);
-    let selected = model.questions().effect;
-    let first = selected.saturating_sub(rows.saturating_sub(1));
-    let mut lines = vec![Line::styled(head, bold)];
-    for (index, entry) in ledger.entries.iter().enumerate().skip(first).take(rows) {
-        let tint = match entry.state {
-            EffectState::On => Color::LightGreen,
-            EffectState::Auto => Color::Yellow,
-            EffectState::Off => Color::Gray,
-        };
-        let style = Style::new().fg(colour(model.palette(), tint));
-        let style = if index == selected { style.add_modifier(Modifier::REVERSED) } else { style };
-        lines.push(Line::styled(entry_line(entry), style));
-    }
-    lines.extend(ledger.entries.get(selected).map(|entry| Line::raw(entry.reason.clone())));
-    frame.render_widget(Paragraph::new(lines), area);
 }

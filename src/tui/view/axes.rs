@@ -5,13 +5,14 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::{Position, Rect};
 use ratatui::style::{Color, Modifier, Style};
 
-use super::divisions::dot_of_division;
+use super::divisions::{dot_of_division, whole};
 use super::graticule::shown;
 use super::layout::ScreenLayout;
 use super::readout::{compact, digits_for, ordinate_unit};
+use super::ticks::{abscissa_ticks, ordinate_ticks};
 use super::{colour, colour_of};
 use crate::scope::Source;
-use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, ViewWindow, is_spectrum};
+use crate::tui::axis::{ViewWindow, is_spectrum};
 use crate::tui::model::ScreenState;
 
 /// Draws markers and labels.
@@ -67,21 +68,17 @@ fn ordinate_labels(model: &ScreenState, layout: &ScreenLayout, buffer: &mut Buff
     let vertical = model.vertical(waveform);
     let unit = ordinate_unit(waveform);
     let style = Style::new().fg(colour_of(model.palette(), waveform.source));
-    // Two lines in one row would overwrite each other.
+    // Two labels in one row would overwrite each other.
     let every = if layout.y_dots < 4 { 2 } else { 1 };
-    for line in (0..=DIVISIONS_UP).step_by(every) {
-        let division = f64::from(DIVISIONS_UP) / 2.0 - f64::from(line);
-        let value = snapped((division - vertical.position) * vertical.scale, vertical.scale);
-        let text = label(value, vertical.scale, unit);
-        let y = layout.labels.y + line * layout.y_dots / 4;
-        let width = usize::from(layout.labels.width);
-        put(buffer, layout.labels, y, &format!("{text:<width$}"), style);
+    for (factor, value) in ordinate_ticks(vertical) {
+        if factor % every == 0 {
+            let dot = dot_of_division(layout, value / vertical.scale + vertical.position).round();
+            let y = layout.labels.y + whole(dot.clamp(0.0, f64::from(layout.rows() - 1)) / 4.0);
+            let width = usize::from(layout.labels.width);
+            let text = label(value, vertical.scale, unit);
+            put(buffer, layout.labels, y, &format!("{text:<width$}"), style);
+        }
     }
-}
-
-/// Zero where only round-off is left of a difference of labels.
-fn snapped(value: f64, scale: f64) -> f64 {
-    if value.abs() < scale * 1e-6 { 0.0 } else { value }
 }
 
 /// A label of an axis with `scale` a division: as many digits as tell one division from the next.
@@ -145,33 +142,36 @@ fn abscissa_labels(
     let unit = model.selected().map_or("s", |capture| capture.waveform.preamble.x_unit.as_str());
     let largest = window.left().abs().max(window.right().abs());
     let digits = digits_for(largest, window.scale);
-    let labels: Vec<String> = (0..=DIVISIONS_ACROSS)
-        .map(|line| {
-            let offset = f64::from(line) - f64::from(DIVISIONS_ACROSS) / 2.0;
-            let value = snapped(window.centre + offset * window.scale, window.scale);
-            if value == 0.0 { format!("0{unit}") } else { compact(value, unit, digits) }
+    let ticks = abscissa_ticks(window).into_iter();
+    let labels: Vec<(i64, f64, String)> = ticks
+        .map(|(factor, value)| {
+            let text = if factor == 0 { format!("0{unit}") } else { compact(value, unit, digits) };
+            (factor, value, text)
         })
         .collect();
-    let widest = labels.iter().map(|l| l.chars().count()).max().unwrap_or(0);
+    let widest = labels.iter().map(|(_, _, text)| text.chars().count()).max().unwrap_or(0);
     let style = Style::new().fg(colour(model.palette(), Color::Gray));
     let area = layout.abscissa;
-    let (first, every) = [(0, 1), (1, 2), (1, 4)]
-        .into_iter()
-        .find(|(_, every)| widest + 1 < usize::from(layout.x_dots) * every / 2)
-        .unwrap_or((5, usize::from(DIVISIONS_ACROSS)));
-    for (line, text) in (0..).zip(&labels).skip(first).step_by(every) {
-        let centre = layout.graticule.x + line * layout.x_dots / 2;
+    let density = f64::from(layout.x_dots) / window.scale;
+    let step = labels.windows(2).find_map(|pair| Some(pair.get(1)?.1 - pair.first()?.1));
+    let columns = step.map_or(f64::INFINITY, |step| step * density / 2.0);
+    let fits = |every: &i32| columns * f64::from(*every) >= (widest + 2) as f64 - 1e-6;
+    let every = [1, 2, 4].into_iter().find(fits);
+    let every = i64::from(every.unwrap_or(10));
+    let mut free = area.x;
+    for (_, value, text) in labels.iter().filter(|(factor, ..)| factor % every == 0) {
+        let column = whole(((value - window.left()) * density / 2.0).round());
+        let centre = layout.graticule.x.saturating_add(column);
         let length = u16::try_from(text.chars().count()).unwrap_or(u16::MAX);
         let rightmost = area.right().saturating_sub(length);
         let x = centre.saturating_sub(length / 2).clamp(area.x, rightmost.max(area.x));
-        let place = Rect { x, width: area.right() - x, ..area };
-        put(buffer, place, area.y, text, style);
+        // At the edges labels are shifted inward.
+        if x >= free {
+            let place = Rect { x, width: area.right() - x, ..area };
+            put(buffer, place, area.y, text, style);
+            free = x + length + 1;
+        }
     }
-}
-
-/// A place on the screen from a number that is known to be one.
-pub(super) fn whole(value: f64) -> u16 {
-    value as u16
 }
 
 /// Writes `text` into row `y` of `area`, no further than the area and the screen reach.

@@ -15,6 +15,7 @@ use super::{colour, message};
 use crate::recording::TrueSignal;
 use crate::scene::{Scene, Site};
 use crate::trace::Trace;
+use crate::tui::axis::Steps;
 use crate::tui::model::ScreenState;
 
 /// Eighths of a cell, from nothing to full.
@@ -119,12 +120,12 @@ fn heading(
     area: Rect,
 ) {
     let bold = Style::new().add_modifier(Modifier::BOLD);
-    let state = if model.is_playing() { "playing" } else { "paused (Space)" };
+    let state = if model.is_playing() { "playing" } else { "paused" };
     let line = Line::from(vec![
         Span::styled("Forces along the chain  ", bold),
-        Span::raw(format!("t = {} of {}  ", compact(now, "s", 4), compact(end, "s", 3))),
+        Span::raw(format!("t {} of {}  ", compact(now, "s", 4), compact(end, "s", 3))),
         Span::raw(format!(
-            "scale to +{}  {state} at {} ms/s",
+            "to +{}  {state}, {} ms/s",
             compact(film.strongest, "N", 3),
             model.play().speed
         )),
@@ -137,7 +138,7 @@ fn contact_at(column: u16, width: u16, count: usize) -> usize {
     usize::from(column) * count / usize::from(width.max(1))
 }
 
-/// All of the film: time downward, the chain to the right, tones by the force that was added.
+/// All of the film: time downward, the chain to the right, tones by the force that was added. Labels are round times, and the present one.
 fn stripes_of(
     model: &ScreenState,
     film: &Film,
@@ -147,13 +148,20 @@ fn stripes_of(
 ) {
     let width = area.width.saturating_sub(LABEL_COLUMNS);
     let rows = f64::from(area.height.max(1));
+    let round = Steps::OneTwoAndHalfFive.multiples((start, end), (end - start) / rows);
     for row in 0..area.height {
         let from = start + (end - start) * f64::from(row) / rows;
         let to = start + (end - start) * f64::from(row + 1) / rows;
         let here = (from..to).contains(&now) || (row + 1 == area.height && now >= to);
         let grey = Style::new().fg(colour(model.palette(), Color::Gray));
         let label_style = if here { grey.add_modifier(Modifier::REVERSED) } else { grey };
-        let label = compact(from, "s", 3);
+        let inside = round.iter().find(|(_, time)| (from..to).contains(time));
+        let label = match inside {
+            _ if here => compact(now, "s", 3),
+            Some((0, _)) => "0s".to_owned(),
+            Some((_, time)) => compact(*time, "s", 3),
+            None => String::new(),
+        };
         put(
             frame.buffer_mut(),
             Rect { width: LABEL_COLUMNS - 1, ..area },
@@ -277,7 +285,7 @@ fn time_line(
 ) {
     let width = area.width.saturating_sub(LABEL_COLUMNS);
     let done =
-        super::axes::whole((now - start) / (end - start) * f64::from(width.saturating_sub(1)));
+        super::divisions::whole((now - start) / (end - start) * f64::from(width.saturating_sub(1)));
     let line: String = (0..width)
         .map(|x| match x.cmp(&done) {
             Ordering::Equal => '●',

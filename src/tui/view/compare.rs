@@ -4,6 +4,7 @@ use ratatui::Frame;
 use ratatui::layout::Rect;
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
+use ratatui::widgets::Paragraph;
 
 use super::layout::ScreenLayout;
 use super::readout::compact;
@@ -32,10 +33,19 @@ pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame
     };
     let scores =
         u16::try_from(compared.comparison.channels.len() + 1).unwrap_or(5).min(area.height / 2);
-    let heading = Rect { height: 1, ..area };
+    let mut verdict = verdict(model, compared);
+    let limits = Line::raw(compared.comparison.tolerance.join(", "));
+    let lines = if verdict.width() + limits.width() > usize::from(area.width) {
+        vec![verdict, limits]
+    } else {
+        verdict.extend(limits.spans);
+        vec![verdict]
+    };
+    let heading = Rect { height: if lines.len() > 1 { 2 } else { 1 }, ..area };
     let table = Rect { y: area.bottom() - scores, height: scores, ..area };
-    let diagrams = Rect { y: area.y + 1, height: area.height - 1 - scores, ..area };
-    frame.render_widget(verdict(model, compared), heading);
+    let height = area.height.saturating_sub(heading.height + scores);
+    let diagrams = Rect { y: heading.bottom(), height, ..area };
+    frame.render_widget(Paragraph::new(lines), heading);
     let place = chosen(model, compared);
     match model.overlay() {
         Overlay::Traces => traces(model, (compared, place), diagrams, frame),
@@ -57,7 +67,7 @@ fn chosen(model: &ScreenState, compared: &Compared) -> usize {
     channels.iter().position(|c| Some(&c.name) == name.as_ref()).unwrap_or(0)
 }
 
-/// Both sides' names, the shift, and the result.
+/// The result, the shift, and the other side's name.
 fn verdict(model: &ScreenState, compared: &Compared) -> Line<'static> {
     let comparison = &compared.comparison;
     let bold = Style::new().add_modifier(Modifier::BOLD);
@@ -75,7 +85,6 @@ fn verdict(model: &ScreenState, compared: &Compared) -> Line<'static> {
         Span::styled(comparison.verdict.to_uppercase(), bold.fg(tint)),
         Span::styled(shifted, bold),
         Span::raw(format!("against {}  ", comparison.simulated)),
-        Span::raw(comparison.tolerance.join(", ")),
     ])
 }
 
@@ -199,5 +208,5 @@ fn table_of(
         let style = if index == place { style.add_modifier(Modifier::REVERSED) } else { style };
         lines.push(Line::styled(row(score), style));
     }
-    frame.render_widget(ratatui::widgets::Paragraph::new(lines), area);
+    frame.render_widget(Paragraph::new(lines), area);
 }

@@ -7,3 +7,8 @@ use crate::tui::axis::DIVISIONS_UP;
 pub(super) fn dot_of_division(layout: &ScreenLayout, division: f64) -> f64 {
     (f64::from(DIVISIONS_UP) / 2.0 - division) * f64::from(layout.y_dots)
 }
+
+/// A place on the screen from a number that is known to be one.
+pub(super) fn whole(value: f64) -> u16 {
+    value as u16
+}

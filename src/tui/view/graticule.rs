@@ -7,12 +7,14 @@ use ratatui::symbols::Marker;
 use ratatui::widgets::canvas::{Canvas, Painter, Shape};
 
 use super::layout::ScreenLayout;
+use super::ticks::ticks;
 use super::trace::{LineStyle, Projection, TraceLine, spans, spans_of_trace};
 use super::{colour, colour_of};
 use crate::scope::Waveform;
 use crate::trace::Trace;
 use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, Vertical, ViewWindow};
-use crate::tui::model::{Palette, ScreenState, Visibility};
+use crate::tui::model::recording_behind::RecordingBehind;
+use crate::tui::model::{Palette, ScreenState, Visibility, ordinate_unit};
 
 /// Dots between two of a division line's own, at least.
 const MIN_DOT_SPACING: u16 = 3;
@@ -22,12 +24,14 @@ const TICKS_PER_DIVISION: u16 = 5;
 /// Draws divisions and traces.
 pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let window = model.window();
+    let ticks = window.map_or_else(Vec::new, |window| ticks(model, layout, window));
     let lines = window.map_or_else(Vec::new, |window| lines(model, layout, window));
     let behind = window.map_or_else(Vec::new, |window| behind(model, layout, window));
     let pointers = super::cursors::pointers(model, layout);
     let grid = Grid {
         x_dots: layout.x_dots,
         y_dots: layout.y_dots,
+        ticks,
         colour: colour(model.palette(), Color::DarkGray),
     };
     let canvas =
@@ -68,24 +72,32 @@ fn lines(model: &ScreenState, layout: &ScreenLayout, window: ViewWindow) -> Vec<
         .collect()
 }
 
-/// The background of the traces: earlier shots, and simulated forces.
+/// The background of the traces: earlier shots, other recordings, bands, and simulated forces.
 fn behind(model: &ScreenState, layout: &ScreenLayout, window: ViewWindow) -> Vec<TraceLine> {
     let mut lines = Vec::new();
     let grey = colour(model.palette(), Color::DarkGray);
-    for capture in model.persisted_traces().into_iter().flatten().flatten() {
-        let waveform = &capture.waveform;
-        let unit = model.selected().map(|c| c.waveform.preamble.x_unit.clone());
-        if unit.as_deref() != Some(waveform.preamble.x_unit.as_str()) {
-            continue;
+    let unit = model.selected().map(|c| c.waveform.preamble.x_unit.clone());
+    let mut line = |waveform: &Waveform, vertical: Vertical, colour: Color, stroke: LineStyle| {
+        if unit.as_deref() == Some(waveform.preamble.x_unit.as_str()) {
+            let projection = projection(layout, window, vertical);
+            let spans = spans(waveform, &projection);
+            lines.push(TraceLine { spans, rows: projection.rows, colour, stroke });
         }
-        let projection = projection(layout, window, model.vertical(waveform));
-        let spans = spans(waveform, &projection);
-        lines.push(TraceLine {
-            spans,
-            rows: projection.rows,
-            colour: grey,
-            stroke: LineStyle::Solid,
-        });
+    };
+    for capture in model.persisted_traces().into_iter().flatten().flatten() {
+        let vertical = model.vertical(&capture.waveform);
+        line(&capture.waveform, vertical, grey, LineStyle::Solid);
+    }
+    for capture in model.behind().flat_map(RecordingBehind::traces) {
+        let (waveform, source) = (&capture.waveform, capture.waveform.source);
+        // On the axes of the trace in front, so that the two can be compared.
+        let front = model.captures().iter().find(|front| front.waveform.source == source);
+        let same_unit =
+            front.is_some_and(|f| ordinate_unit(&f.waveform) == ordinate_unit(waveform));
+        if model.visibility(waveform) == Visibility::Shown && (front.is_none() || same_unit) {
+            let vertical = model.vertical(front.map_or(waveform, |front| &front.waveform));
+            line(waveform, vertical, colour_of(model.palette(), source), LineStyle::Dotted);
+        }
     }
     for waveform in shown(model) {
         let projection = projection(layout, window, model.vertical(waveform));
@@ -130,6 +142,7 @@ fn projection(layout: &ScreenLayout, window: ViewWindow, vertical: Vertical) -> 
 struct Grid {
     x_dots: u16,
     y_dots: u16,
+    ticks: Vec<(u16, u16)>,
     colour: Color,
 }
 
@@ -166,7 +179,10 @@ impl Shape for Grid {
         for y in (0..=height).step_by(2) {
             dot(width / 2, y);
         }
-        // Ticks: a dot to either side of the axes.
+        for (x, y) in &self.ticks {
+            dot(*x, *y);
+        }
+        // Marks: a dot to either side of the axes.
         for x in x_marks {
             dot(x, height / 2 - 1);
             dot(x, height / 2 + 1);

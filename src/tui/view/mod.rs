@@ -10,6 +10,7 @@ mod divisions;
 mod graticule;
 mod help;
 pub mod layout;
+mod lists;
 mod log;
 mod overview;
 mod panel;
@@ -20,6 +21,7 @@ mod side;
 mod spectrum;
 mod status;
 pub mod target;
+mod ticks;
 mod trace;
 mod xy;
 
@@ -38,7 +40,7 @@ const WIDTH_WITH_TABLES: u16 = 112;
 /// Where everything stands for `model` on a terminal of `area`; `None` if it is too small.
 pub fn layout_of(model: &ScreenState, area: Rect) -> Option<ScreenLayout> {
     // Tables need all columns of a small terminal.
-    let tables = matches!(model.page(), Page::Compare | Page::Accuracy);
+    let tables = model.is_list() || matches!(model.page(), Page::Compare | Page::Accuracy);
     let room = !tables || area.width >= WIDTH_WITH_TABLES;
     ScreenLayout::with_side(area, model.side() != SidePanel::Nothing && room)
 }
@@ -59,6 +61,7 @@ pub fn draw(model: &ScreenState, frame: &mut Frame) {
         Page::Bench => bench::draw(model, &layout, frame),
         Page::Compare => compare::draw(model, &layout, frame),
         Page::Accuracy => accuracy::draw(model, &layout, frame),
+        Page::Effects | Page::HardCases | Page::Remote => lists::draw(model, &layout, frame),
     }
     if layout.side.width > 0 || model.page() == Page::Scope {
         side::draw(model, &layout, frame);
@@ -70,11 +73,11 @@ pub fn draw(model: &ScreenState, frame: &mut Frame) {
     let zoomed = model.is_zoomed() && model.page() == Page::Scope;
     let shared = layout.overview == layout.hints;
     let prompt = model.panel() == Popup::Prompt;
+    if zoomed {
+        overview::draw(model, &layout, frame);
+    }
     if !(shared && zoomed) || model.notice().is_some() || prompt {
         status::hints(model, &layout, frame);
-    }
-    if zoomed && (!shared || (model.notice().is_none() && !prompt)) {
-        overview::draw(model, &layout, frame);
     }
     match model.panel() {
         Popup::Scope | Popup::Prompt => {}

@@ -7,7 +7,8 @@ use ratatui::symbols::Marker;
 use ratatui::text::Span;
 use ratatui::widgets::canvas::Canvas;
 
-use super::axes::{put, whole};
+use super::axes::put;
+use super::divisions::whole;
 use super::layout::ScreenLayout;
 use super::trace::{LineStyle, Projection, TraceLine, spans};
 use super::{colour, colour_of};

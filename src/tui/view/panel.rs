@@ -14,6 +14,21 @@ pub(super) fn message(text: &str, area: Rect, frame: &mut Frame) {
     frame.render_widget(words.wrap(Wrap { trim: true }), middle);
 }
 
+/// `text` in lines of at most `width` columns, broken between words.
+pub(super) fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
 /// Text in a frame over the screen, as large as it needs and the terminal allows.
 pub(super) fn panel(model: &ScreenState, title: &str, lines: Vec<Line>, frame: &mut Frame) {
     let area = frame.area();

@@ -7,9 +7,10 @@ use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::Line;
 use ratatui::widgets::{Block, Borders, Clear, Paragraph};
 
-use super::layout::ScreenLayout;
+use super::colour_of;
+use super::layout::{SIDE_WIDTH, ScreenLayout};
+use super::panel::wrapped;
 use super::readout::compact;
-use super::{colour, colour_of};
 use crate::measurement::arrivals::{SpeedBetween, Survey};
 use crate::tui::model::knobs::BenchKnob;
 use crate::tui::model::{LiveBench, ScreenState, SidePanel};
@@ -30,7 +31,7 @@ pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame
     let area = if layout.side.width > 0 {
         layout.side
     } else {
-        let width = super::layout::SIDE_WIDTH.min(layout.page.width);
+        let width = SIDE_WIDTH.min(layout.page.width);
         Rect { x: layout.page.right() - width, width, ..layout.page }
     };
     frame.render_widget(Clear, area);
@@ -108,7 +109,8 @@ fn knobs(model: &ScreenState) -> Vec<Line<'static>> {
     };
     let source = model.selected().map(|capture| capture.waveform.source);
     let mut lines = Vec::new();
-    for (index, knob) in BenchKnob::ALL.iter().enumerate() {
+    let shown = BenchKnob::ALL.iter().enumerate().filter(|(_, knob)| knob.is_shown(scene));
+    for (index, knob) in shown {
         let row = pair(knob.label, &knob.reading(scene, source));
         let style = if index == live.knob {
             Style::new().add_modifier(Modifier::REVERSED)
@@ -117,10 +119,6 @@ fn knobs(model: &ScreenState) -> Vec<Line<'static>> {
         };
         lines.push(row.style(style));
     }
-    lines.push(Line::styled(
-        "n N choose - + turn o on/off",
-        Style::new().fg(colour(model.palette(), Color::Gray)),
-    ));
     lines.extend(cost_text(live));
     lines
 }
@@ -132,21 +130,11 @@ fn cost_text(live: &LiveBench) -> Vec<Line<'static>> {
     let accuracy = summary.accuracy.map_or_else(|| "-".to_owned(), |a| format!("{a:.0e}"));
     let mut lines = vec![
         Line::styled(if live.is_waiting() { "run (next on its way)" } else { "run" }, bold),
-        pair("took", &compact(summary.wall_s, "s", 3)),
-        pair("steps", &summary.steps.to_string()),
+        pair(&format!("{} steps", summary.steps), &compact(summary.wall_s, "s", 3)),
         pair("accuracy", &accuracy),
         pair("energy drift", &format!("{:.1e}", summary.energy.drift)),
     ];
-    let effects = summary.effects.join(" ");
-    lines.push(Line::styled("on", bold));
-    let mut words = String::new();
-    for effect in effects.split(' ') {
-        if words.chars().count() + effect.chars().count() > 27 {
-            lines.push(Line::raw(std::mem::take(&mut words)));
-        }
-        words.push_str(effect);
-        words.push(' ');
-    }
-    lines.push(Line::raw(words));
+    let effects = format!("on: {}", summary.effects.join(" "));
+    lines.extend(wrapped(&effects, usize::from(SIDE_WIDTH) - 1).into_iter().map(Line::raw));
     lines
 }

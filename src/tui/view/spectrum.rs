@@ -20,13 +20,18 @@ const DECIBELS_PER_TONE: f64 = 10.0;
 /// Tones of the map, from little to much.
 const TONES: [&str; 5] = [" ", "░", "▒", "▓", "█"];
 
-/// The name of the signal, and the band edges.
-fn heading(model: &ScreenState, what: &str) -> Line<'static> {
+/// The name of the signal, and the band edges; `what` it is in the words that fit into `width` columns.
+fn heading(model: &ScreenState, what: [&str; 2], width: u16) -> Line<'static> {
+    let [long, short] = what.map(|what| heading_of(model, what));
+    if long.width() <= usize::from(width) { long } else { short }
+}
+
+fn heading_of(model: &ScreenState, what: &str) -> Line<'static> {
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let name = model.selected().map_or_else(String::new, |c| c.waveform.source.to_string());
     let sensor = model.selected().and_then(|c| model.sensor(c.waveform.source));
     let sensor = sensor.map_or_else(String::new, |sensor| format!(" ({})", sensor.name));
-    let mut parts = vec![Span::styled(format!("{what} of {name}{sensor}  "), bold)];
+    let mut parts = vec![Span::styled(format!("{what} {name}{sensor}  "), bold)];
     match &model.derived().chain {
         Some(chain) => {
             let gap = Style::new().fg(colour(model.palette(), Color::LightRed));
@@ -40,7 +45,7 @@ fn heading(model: &ScreenState, what: &str) -> Line<'static> {
                 (false, false) => "no gap",
             }));
         }
-        None => parts.push(Span::raw("no band edges: the chain around this sensor is not known")),
+        None => parts.push(Span::raw("no band edges: no chain known around this sensor")),
     }
     Line::from(parts)
 }
@@ -87,7 +92,8 @@ pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame
     for (name, edge) in chain.iter().flat_map(|chain| chain.edges()) {
         sheet.write((edge, high), name, bold, frame);
     }
-    let head = heading(model, &format!("Spectrum |X|/M, dB re 1 {},", spectrum.unit));
+    let short = format!("|X|/M, dB re 1 {},", spectrum.unit);
+    let head = heading(model, [&format!("Spectrum {short} of"), &short], area.width);
     frame.render_widget(head, Rect { height: 1, ..area });
 }
 
@@ -131,7 +137,8 @@ pub(super) fn map(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame)
             put(frame.buffer_mut(), inner, y, &line, edge);
         }
     }
-    let head = heading(model, "Spectrum over time, 10 dB a tone,");
+    let words = ["Spectrum over time, 10 dB a tone, of", "10 dB a tone,"];
+    let head = heading(model, words, area.width);
     frame.render_widget(head, Rect { height: 1, ..area });
 }
 

@@ -3,21 +3,30 @@
 //! Lines too long for the terminal are shortened, the least important parts first.
 
 use ratatui::Frame;
+use ratatui::layout::Rect;
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
+use ratatui::widgets::{Clear, Paragraph};
 
 use super::colour;
 use super::layout::ScreenLayout;
+use super::panel::wrapped;
 use super::readout::{READING_GAP, compact, digits_for, spaced, width};
 use crate::recording::Origin;
 use crate::scope::Waveform;
 use crate::tui::axis::{ViewWindow, is_spectrum};
-use crate::tui::keys::hints as hint_keys;
+use crate::tui::keys::{KNOB_HINTS, RECORDING_HINTS, hints as hint_keys};
 use crate::tui::model::command::COMMANDS;
-use crate::tui::model::{Popup, RunState, ScreenState};
+use crate::tui::model::{Popup, RunState, ScreenState, SidePanel};
 
+/// Hints that stand first on every page: help, and out.
+const FIRST_HINTS: usize = 2;
+/// Rows of a long notice, at most.
+const MOST_NOTICE_ROWS: u16 = 4;
 /// Columns that the title keeps at least while the line drops other things.
 const TITLE_WIDTH: usize = 12;
+/// The same where several recordings are named in it, at most.
+const MOST_TITLE_WIDTH: usize = 50;
 
 /// Title, state, origin, problems, shot and position of the screen's centre.
 pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
@@ -56,12 +65,17 @@ pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame
     }
     let area = layout.status;
     let room = usize::from(area.width);
-    while parts.len() > 1 && width(&parts) + TITLE_WIDTH > room {
+    let behind = model.behind().map(|other| format!("  ┄ {}", other.label()));
+    let title = behind.fold(model.title().to_owned(), |title, other| title + &other);
+    // Of several recordings the names matter more than the state.
+    let least = if model.behind().next().is_some() { MOST_TITLE_WIDTH } else { TITLE_WIDTH };
+    let least = least.min(Span::raw(&title).width()).max(TITLE_WIDTH);
+    while parts.len() > 1 && width(&parts) + least > room {
         parts.remove(0);
     }
     let right = Line::from(spaced(parts)).right_aligned();
     let left = room.saturating_sub(right.width() + READING_GAP.len());
-    let title = Span::styled(shortened(model.title(), left), bold);
+    let title = Span::styled(shortened(&title, left), bold);
     frame.render_widget(title, area);
     frame.render_widget(right, area);
 }
@@ -134,31 +148,48 @@ fn command_matches(typed: &str) -> String {
     }
 }
 
+/// Writes `text` on `last` and as many rows above it as it needs.
+fn over_rows(text: &str, style: Style, last: Rect, frame: &mut Frame) {
+    let lines = wrapped(text, usize::from(last.width));
+    let height = u16::try_from(lines.len()).unwrap_or(u16::MAX).clamp(1, MOST_NOTICE_ROWS);
+    let rows = Rect { y: (last.y + 1).saturating_sub(height), height, ..last };
+    frame.render_widget(Clear, rows);
+    let lines: Vec<Line> = lines.into_iter().map(|line| Line::styled(line, style)).collect();
+    frame.render_widget(Paragraph::new(lines), rows);
+}
+
 /// The notice of the last action, or else the most important keys.
 pub(super) fn hints(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let area = layout.hints;
     if model.panel() == Popup::Prompt {
         let bold = Style::new().add_modifier(Modifier::BOLD);
-        let line = Line::from(vec![
+        let mut line = Line::from(vec![
             Span::styled(format!(":{}", model.prompt()), bold),
             Span::styled(" ", bold.add_modifier(Modifier::REVERSED)),
-            Span::raw("  "),
-            Span::raw(
-                model.notice().map_or_else(|| command_matches(model.prompt()), str::to_owned),
-            ),
         ]);
+        let words = model.notice().map_or_else(|| command_matches(model.prompt()), str::to_owned);
+        let gap = READING_GAP.len();
+        if line.width() + gap + Span::raw(&words).width() <= usize::from(area.width) {
+            line.push_span(Span::raw(format!("{READING_GAP}{words}")));
+        } else {
+            over_rows(&words, Style::new(), Rect { y: area.y.saturating_sub(1), ..area }, frame);
+        }
+        frame.render_widget(Clear, area);
         frame.render_widget(line, area);
         return;
     }
     if let Some(notice) = model.notice() {
         let style = Style::new().fg(colour(model.palette(), Color::LightRed));
-        frame.render_widget(Span::styled(notice, style), area);
+        over_rows(notice, style, area, frame);
         return;
     }
     let room = usize::from(area.width);
     let grey = Style::new().fg(colour(model.palette(), Color::Gray));
     let mut parts: Vec<Span> = Vec::new();
-    for (keys, what) in hint_keys(model.page()) {
+    let knobs = if model.side() == SidePanel::Knobs { KNOB_HINTS } else { &[] };
+    let others = if model.behind().next().is_some() { RECORDING_HINTS } else { &[] };
+    let (first, rest) = hint_keys(model.page()).split_at(FIRST_HINTS);
+    for (keys, what) in first.iter().chain(others).chain(knobs).chain(rest) {
         parts.push(Span::styled(format!("{keys} {what}"), grey));
         if width(&parts) > room + READING_GAP.len() {
             parts.pop();

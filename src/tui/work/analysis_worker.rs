@@ -13,7 +13,7 @@ use crate::recording::{Origin, Shot, TraceSet};
 use crate::scene::Scene;
 use crate::scene::adjust::Adjustable;
 use crate::studies::uncertainty::{SampleOptions, TraceBand, trace_bands};
-use crate::studies::{cost, effects};
+use crate::studies::{cost, effects, hard_cases};
 use crate::tui::model::background_jobs::JobAnswer;
 use crate::tui::model::{JobState, ScreenState};
 
@@ -134,12 +134,14 @@ fn compared(asked: &ComparisonRequest, other: &Other) -> Result<Compared, String
     compare(measured, simulated, (Align::default(), &[]), &tolerance).map_err(|e| with_reasons(&e))
 }
 
-/// A question to a scene that is run many times.
+/// A question that is answered by many runs.
 pub enum StudyRequest {
     /// Work against precision.
     Study(Box<Scene>),
     /// Every effect with and without.
     Ledger(Box<Scene>),
+    /// The hard cases, which are no scene's.
+    HardCases,
 }
 
 /// Answers one question, and tells how far it is meanwhile.
@@ -174,6 +176,14 @@ pub fn research(order: StudyRequest, _: &Receiver<StudyRequest>, news: &Sender<S
             JobAnswer::Ledger(
                 found.map_or_else(JobState::Failed, |ledger| JobState::Done(Box::new(ledger))),
             )
+        }
+        StudyRequest::HardCases => {
+            let found = guarded(|| {
+                Ok(hard_cases::run_all(&mut |s| {
+                    tell(s, |s| JobAnswer::HardCases(JobState::Busy(s)));
+                }))
+            });
+            JobAnswer::HardCases(found.map_or_else(JobState::Failed, JobState::Done))
         }
     };
     let _ = news.send(ScreenEvent::Answer(answer));

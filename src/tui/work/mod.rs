@@ -149,6 +149,7 @@ impl Workers {
                     scene
                         .is_none_or(|scene| self.research.send(StudyRequest::Ledger(scene)).is_ok())
                 }
+                Request::HardCases => self.research.send(StudyRequest::HardCases).is_ok(),
                 Request::Note(option, value) => {
                     let mut set = model.set().clone();
                     let noted = self.note_option.map(|note| note(&mut set, option, &value));

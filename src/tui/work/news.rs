@@ -5,7 +5,7 @@ use std::panic::{self, AssertUnwindSafe};
 use ratatui::crossterm::event::Event;
 
 use crate::recording::mcap::ShotNotes;
-use crate::recording::{Shot, TraceSet};
+use crate::recording::{ScpiLine, Shot, TraceSet};
 use crate::tui::model::background_jobs::JobAnswer;
 use crate::tui::model::served::ServedUpdate;
 use crate::tui::model::{ScreenState, StrikeResult};
@@ -19,8 +19,8 @@ pub enum ScreenEvent {
     Closed,
     /// How far the recording was read: shots, whether there may be more, and what holds for all.
     Read(usize, bool, Box<TraceSet>),
-    /// A shot, with its place.
-    Shot(usize, Box<(Shot, ShotNotes)>),
+    /// A shot and the messages of the remote interface around it, with its place.
+    Shot(usize, Box<(Shot, ShotNotes, Vec<ScpiLine>)>),
     /// The answer to a strike, with its number.
     Struck(u64, Result<Box<StrikeResult>, String>),
     /// The answer to a question.
@@ -38,17 +38,25 @@ impl ScreenEvent {
     pub fn apply(self, model: &mut ScreenState) {
         match self {
             Self::Terminal(_) | Self::Closed => {}
+            Self::Answer(answer) => model.apply_answer(answer),
+            Self::Told(words) => model.set_notice(words),
+            other => model.with_first(|model| other.apply_to_first(model)),
+        }
+    }
+
+    /// Applies what concerns the recording or bench that was opened first.
+    fn apply_to_first(self, model: &mut ScreenState) {
+        match self {
             Self::Read(count, open, facts) => model.apply_index(count, open, *facts),
             Self::Shot(place, found) => {
-                let (shot, notes) = *found;
-                model.note_shot(&shot, notes);
+                let (shot, notes, lines) = *found;
+                model.note_shot(&shot, notes, lines);
                 model.apply_shot(place, shot);
             }
             Self::Struck(turn, answer) => model.apply_strike_result(turn, answer),
-            Self::Answer(answer) => model.apply_answer(answer),
             Self::Heard(heard) => model.apply_served_update(*heard),
             Self::Lost(why) => model.connection_lost(why),
-            Self::Told(words) => model.set_notice(words),
+            Self::Terminal(_) | Self::Closed | Self::Answer(_) | Self::Told(_) => {}
         }
     }
 }

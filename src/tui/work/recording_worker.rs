@@ -33,8 +33,8 @@ struct Player {
     news: Sender<ScreenEvent>,
     /// When it was last told how much there is, and what.
     told: Option<(Instant, usize, ReadState)>,
-    /// The shot that was brought last, and of how many pieces of the file it was made.
-    brought: Option<(usize, usize)>,
+    /// The shot that was brought last, and of how many pieces of the file it and the messages around it were made.
+    brought: Option<(usize, [usize; 2])>,
 }
 
 /// The other end is gone.
@@ -55,7 +55,7 @@ impl Player {
                 }
             };
             self.report_progress(end)?;
-            self.load_rest()?;
+            self.load_rest(end)?;
             let place = match end {
                 ReadState::More => None,
                 ReadState::Open if self.follow => match orders.recv_timeout(FILE_POLL_INTERVAL) {
@@ -78,19 +78,28 @@ impl Player {
         self.news.send(news).map_err(|_| Disconnected)
     }
 
-    /// The shot on screen again, where more of it has come since: its last pieces may not have been written yet.
-    fn load_rest(&mut self) -> Result<(), Disconnected> {
-        match self.brought {
-            Some((place, pieces)) if self.tape.pieces(place) > pieces => self.apply(place),
-            _ => Ok(()),
+    /// The shot on screen again, where more of it has come since: its last pieces may not have been written yet. Messages around it are
+    /// waited for until an end is reached.
+    fn load_rest(&mut self, end: ReadState) -> Result<(), Disconnected> {
+        let Some((place, [pieces, lines])) = self.brought else { return Ok(()) };
+        let has_lines = || end != ReadState::More && self.tape.line_pieces(place) != lines;
+        if self.tape.pieces(place) > pieces || has_lines() {
+            return self.apply(place);
         }
+        Ok(())
     }
 
     fn apply(&mut self, place: usize) -> Result<(), Disconnected> {
-        self.brought = Some((place, self.tape.pieces(place)));
-        match self.tape.shot_and_notes(place) {
-            Ok(Some(found)) => self.send(ScreenEvent::Shot(place, Box::new(found))),
-            Ok(None) => self.send(ScreenEvent::Told(format!("shot {} cannot be read", place + 1))),
+        self.brought = Some((place, [self.tape.pieces(place), self.tape.line_pieces(place)]));
+        let lines = self.tape.lines_around(place);
+        let found = lines.and_then(|lines| Ok((self.tape.shot_and_notes(place)?, lines)));
+        match found {
+            Ok((Some((shot, notes)), lines)) => {
+                self.send(ScreenEvent::Shot(place, Box::new((shot, notes, lines))))
+            }
+            Ok((None, _)) => {
+                self.send(ScreenEvent::Told(format!("shot {} cannot be read", place + 1)))
+            }
             Err(error) => self.send(ScreenEvent::Told(with_reasons(&error))),
         }
     }

@@ -5,7 +5,7 @@ use super::live::Session;
 use hertzscope::scope::Source;
 use hertzscope::tui::axis::TurnDirection;
 use hertzscope::tui::keys::{BindingScope, action, bindings, key_action, mouse_action};
-use hertzscope::tui::model::{Action, Popup};
+use hertzscope::tui::model::{Action, Page, Popup};
 use hertzscope::tui::view::{self, layout::ScreenLayout};
 use ratatui::crossterm::event::{
     Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers, MouseButton, MouseEvent, MouseEventKind,
@@ -35,11 +35,15 @@ fn keys_ask_for_what_their_labels_say() {
         (KeyCode::Tab, none, Action::NextTrace(TurnDirection::Up)),
         (KeyCode::Char('z'), none, Action::Reset),
         (KeyCode::Char('l'), none, Action::Toggle(Popup::Log)),
+        (KeyCode::Char('O'), none, Action::NextRecording),
+        (KeyCode::Char('r'), none, Action::Page(Page::Remote)),
+        (KeyCode::Char('y'), none, Action::Page(Page::Effects)),
+        (KeyCode::Char('h'), none, Action::Page(Page::HardCases)),
     ] {
         assert_eq!(press(code, modifiers), Some(action), "{code:?} {modifiers:?}");
     }
     assert_eq!(press(KeyCode::Char('c'), none), Some(Action::Cursors));
-    assert_eq!(press(KeyCode::Char('y'), none), None);
+    assert_eq!(press(KeyCode::Char('j'), none), None);
     assert_eq!(press(KeyCode::F(1), none), None);
 }
 

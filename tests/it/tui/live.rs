@@ -74,7 +74,8 @@ fn knob(label: &str) -> usize {
 
 /// Selects a knob.
 fn choose(session: &mut Session, label: &str) {
-    for _ in 0..knob(label) {
+    let wanted = Some(knob(label));
+    while session.model.live().map(|live| live.knob) != wanted {
         session.act(&[Action::NextKnob(TurnDirection::Up)]);
     }
 }
@@ -143,12 +144,69 @@ fn knobs_read_what_the_scene_says() {
     }
 }
 
+/// Static force between the first two particles (N).
+fn preload(session: &Session) -> f64 {
+    scene(session).chain.contacts()[2].static_force
+}
+
+/// A force on top, a magnet of constant force, and a ring at its distance: typed, turned, switched on; what presses on the chain follows.
+#[test]
+fn every_preload_is_a_knob() {
+    let mut session = Session::bench("magnet-0.61g");
+    let before = preload(&session);
+    choose(&mut session, "force on top");
+    session.act(&[Action::TurnKnob(TurnDirection::Up)]);
+    let notice = session.model.notice().expect("a word").to_owned();
+    assert!(notice.contains("no force on top: E"), "{notice}");
+    session.act(&[Action::TypeKnob]);
+    assert_eq!(session.model.prompt(), "set chain.top.force ");
+    type_text(&mut session, "1.5 N");
+    session.act(&[Action::Submit]);
+    assert!((preload(&session) - before - 1.5).abs() < 1e-9, "{}", preload(&session));
+    session.act(&[Action::TurnKnob(TurnDirection::Up)]);
+    // A twenty-fourth of a decade, with three digits.
+    assert!((preload(&session) - before - 1.65).abs() < 1e-9, "{}", preload(&session));
+
+    let mut session = Session::bench("gravity-0.61g");
+    let before = preload(&session);
+    choose(&mut session, "magnet force");
+    session.act(&[Action::TypeKnob]);
+    assert_eq!(session.model.notice(), Some("magnet force is off: o switches it on"));
+    session.act(&[Action::Switch]);
+    assert!((preload(&session) - before - 1.0).abs() < 1e-9, "{:?}", session.model.notice());
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("ring.toml");
+    let magnet = "[effects.magnet_preload]\nmodel = \"ring-12-6-6\"\nparticle = 1\n";
+    for (place, label) in [("distance = \"-0.2 mm\"", "distance"), ("force = \"2 N\"", "force")] {
+        std::fs::write(&file, format!("base = \"magnet-0.61g\"\n{magnet}{place}\n"))
+            .expect("a file");
+        let mut session = Session::bench(&file.display().to_string());
+        choose(&mut session, &format!("magnet {label}"));
+        let before = preload(&session);
+        session.act(&[Action::TurnKnob(TurnDirection::Down)]);
+        assert_ne!(preload(&session), before, "{label}: {:?}", session.model.notice());
+        let text = session.model.live().expect("a bench").text();
+        let turned = if label == "force" { "force = \"1.82 N\"" } else { "distance = \"-0.3 mm\"" };
+        assert!(text.contains(turned), "{text}");
+        // Of force and distance, the panel shows what the scene says.
+        session.act(&[Action::Side(SidePanel::Knobs)]);
+        let screen = draw(&session.model, 80, 24);
+        let other = if label == "force" { "magnet distance" } else { "magnet force" };
+        assert!(!screen.has(other), "{other}");
+    }
+}
+
 #[test]
 fn the_scopes_knobs_set_the_scope_while_it_runs() {
     let mut session = Session::bench("magnet-0.61g");
     session.act(&[Action::VoltsPerDivision(TurnDirection::Up)]);
     let scale = |session: &Session| session.model.captures()[0].waveform.vertical.scale;
     assert_eq!(scale(&session), 2.0);
+    // Half a division, on the front panel's steps of 0.04.
+    session.act(&[Action::Position(TurnDirection::Up)]);
+    let position = session.model.captures()[0].waveform.vertical.position;
+    assert_eq!(position, 2.52, "{:?}", session.model.notice());
     session.act(&[Action::TimePerDivision { turn: TurnDirection::Down, anchor: 0.0 }]);
     assert_eq!(scene(&session).scope.time_base, 100e-6);
     session.act(&[Action::Coupling]);

@@ -4,7 +4,7 @@ use super::bench::{after, channel, draw, four_channels, model, recording, step};
 use super::live::Session;
 use hertzscope::scope::Source;
 use hertzscope::tui::axis::TurnDirection;
-use hertzscope::tui::model::{Action, CursorKind, Page, ScreenState, SidePanel, update};
+use hertzscope::tui::model::{Action, CursorKind, Page, Request, ScreenState, SidePanel, update};
 use ratatui::style::Color;
 
 /// One pulse: a half sine of a volt from `start` (s), 100 µs long.
@@ -120,7 +120,7 @@ fn the_spectrum_has_the_band_edges_of_the_scene() {
     // The paper's Table: f1, f2, f3 around 8.3, 11.8 and 14.4 kHz at this preload are those of `bands`.
     assert!(chain.gap_bottom() < chain.gap_top() && chain.gap_top() < chain.cutoff());
     let screen = draw(&session.model, 80, 24);
-    for words in ["f1", "f2", "f3", "Spectrum", "CH2 (p14)"] {
+    for words in ["f1", "f2", "f3", "|X|/M", "CH2 (p14)", "gap f1-f2"] {
         screen.find(words);
     }
     // A line at 20 kHz stands at 20 kHz.
@@ -284,6 +284,92 @@ fn autoset_shows_all_of_every_trace() {
     for code in &waveform.codes {
         let division = waveform.volts_of(*code) / vertical.scale + vertical.position;
         assert!(division.abs() <= 4.0, "{division} divisions at {vertical:?}");
+    }
+}
+
+/// The pulses of all traces fill the screen: 4 to 7 divisions upward wherever 1-2-5 allows it, never less than 3 or more than 7.5; all first
+/// pulses are on it, and take half of its width.
+#[test]
+fn autoset_fills_the_screen_with_the_first_pulses() {
+    let small = |number, start: f64| {
+        let mut capture = pulse(number, start);
+        capture.waveform.codes.iter_mut().for_each(|code| *code /= 10);
+        capture
+    };
+    for (traces, last) in [
+        (vec![pulse(1, 0.0), pulse(2, 500e-6)], 600e-6),
+        (vec![pulse(1, 0.0), small(3, 1.2e-3)], 1.3e-3),
+        (vec![pulse(4, 0.0)], 100e-6),
+    ] {
+        let model = after(model(recording(vec![traces])), &[Action::Autoset]);
+        let window = model.window().expect("a window");
+        assert!(window.left() <= 0.0 && window.right() >= last, "{window:?} up to {last}");
+        assert!(last / window.scale >= 4.0, "{window:?} for {last}");
+        for capture in model.captures() {
+            let vertical = model.vertical(&capture.waveform);
+            let volts =
+                |code: &i16| capture.waveform.volts_of(*code) / vertical.scale + vertical.position;
+            let values: Vec<f64> = capture.waveform.codes.iter().map(volts).collect();
+            let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+            assert!((3.0..=7.5).contains(&(high - low)), "{low} to {high} div");
+            assert!(high <= 4.0 && low >= -4.0, "{low} to {high} div");
+        }
+    }
+}
+
+/// On a bench that runs, autoset turns the scope's own knobs.
+#[test]
+fn autoset_sets_the_scope_of_a_bench() {
+    let mut session = Session::bench("magnet-0.61g");
+    session.command("set scope.time_base 1 ms/div");
+    session.command("set scope.ch1.scale 5 V/div");
+    session.command("set scope.ch3.scale 0.2 V/div");
+    session.act(&[Action::Autoset, Action::Autoset]);
+    let scene = session.model.scene().expect("a bench");
+    let window = session.model.recorded_window().expect("a window");
+    assert_eq!(scene.scope.time_base, window.scale);
+    let summary = session.model.live().and_then(|live| live.summary.as_ref()).expect("an impact");
+    let trigger = session.model.shot().and_then(|shot| shot.trigger_time).expect("a trigger");
+    for sensor in &summary.sensors {
+        let pulse = sensor.first_peak.as_ref().expect("a pulse");
+        let after = pulse.time_s - trigger;
+        assert!((window.left()..window.right()).contains(&after), "{after} in {window:?}");
+    }
+    for capture in session.model.captures() {
+        let waveform = &capture.waveform;
+        let codes = || waveform.codes.iter().copied();
+        let swing = f64::from(codes().max().expect("codes") - codes().min().expect("codes")) / 25.0;
+        assert!(
+            (2.5..=7.5).contains(&swing),
+            "{}: {swing} div, {:?}",
+            waveform.source,
+            session.model.notice()
+        );
+        assert_eq!(waveform.clipped(), 0, "{}", waveform.source);
+    }
+}
+
+/// The keys and the command line ask for the studies, once.
+#[test]
+fn effects_and_hard_cases_are_computed_when_they_are_asked_for() {
+    let mut session = Session::bench("magnet-0.61g");
+    let model = &mut session.model;
+    for (action, expected) in [
+        (Action::Page(Page::Effects), Request::Ledger),
+        (Action::Page(Page::HardCases), Request::HardCases),
+    ] {
+        update(model, action);
+        assert_eq!(model.take_requests(), [expected]);
+        draw(model, 80, 24).find("computing");
+        update(model, Action::Back);
+        update(model, action);
+        assert!(model.take_requests().is_empty(), "asked twice");
+        update(model, Action::Back);
+    }
+    for (line, page) in [("effects", Page::Effects), ("hard-cases", Page::HardCases)] {
+        session.command(line);
+        assert_eq!(session.model.page(), page);
     }
 }
 

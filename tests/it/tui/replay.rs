@@ -4,15 +4,16 @@ use std::io::Write as _;
 use std::path::Path;
 use std::time::Duration;
 
-use super::bench::{after, channel, model, recording, shot};
+use super::bench::{after, channel, draw, model, recording, shot};
 use hertzscope::recording::mcap::indexed_recording::{IndexedRecording, ReadState};
 use hertzscope::recording::mcap::{self, RecordingWriter, ShotNotes};
-use hertzscope::recording::{Shot, TraceSet};
+use hertzscope::recording::{Direction, ScpiLine, Shot, TraceSet};
 use hertzscope::trace::Trace;
 use hertzscope::tui::axis::TurnDirection;
-use hertzscope::tui::model::{Action, Palette, Request, ScreenState, update};
-use hertzscope::tui::work::Workers;
+use hertzscope::tui::model::{Action, Page, Palette, Request, ScreenState, update};
+use hertzscope::tui::work::{ScreenEvent, Workers};
 use ratatui::layout::Size;
+use ratatui::style::Color;
 
 /// Shots that differ in their volts.
 fn shots(count: u32) -> Vec<Shot> {
@@ -229,6 +230,100 @@ fn a_comparison_waits_for_the_first_shot() {
     assert_eq!(model.take_requests(), [asked]);
 }
 
+fn flat(volts: f64, scale: f64) -> Vec<hertzscope::recording::Capture> {
+    vec![channel(1, scale, 0.0, move |_| volts)]
+}
+
+/// The recordings behind stand on the axes of the one in front, whatever they were recorded with; each keeps its shot.
+#[test]
+fn several_recordings_are_shown_on_the_same_axes() {
+    let mut model = model(recording(vec![flat(1.0, 0.5)]));
+    model.add_behind("yesterday".to_owned(), recording(vec![flat(-1.0, 1.0), flat(2.0, 1.0)]));
+    let screen = draw(&model, 80, 24);
+    // At 500 mV/div a volt is two divisions of two rows; the centre is row 10.
+    assert_eq!(screen.rows_of(20, Color::Yellow), [6, 14]);
+    assert!(screen.row(0).starts_with("steel chain  ┄ yesterday 1/2"), "{}", screen.row(0));
+    let model = after(model, &[Action::NextRecording, Action::Shot(TurnDirection::Up)]);
+    let screen = draw(&model, 80, 24);
+    // At 1 V/div: two volts of the second shot in front, one volt of the other behind.
+    assert_eq!(screen.rows_of(20, Color::Yellow), [6, 8]);
+    assert!(screen.row(0).starts_with("yesterday  ┄ steel chain 1/1"), "{}", screen.row(0));
+    assert!(screen.row(0).contains("Shot 2/2"), "{}", screen.row(0));
+    let model = after(model, &[Action::NextRecording]);
+    assert!(draw(&model, 80, 24).row(0).starts_with("steel chain  ┄ yesterday 2/2"));
+    // A channel that is off is off behind, too.
+    let off = draw(&after(model, &[Action::Channel(1)]), 80, 24);
+    assert!(off.rows_of(20, Color::Yellow).is_empty());
+}
+
+/// What comes of a followed recording reaches it while another one is in front.
+#[test]
+fn a_recording_is_followed_behind_another() {
+    let mut model = on_tape(true);
+    model.add_behind("yesterday".to_owned(), recording(vec![flat(1.0, 0.5)]));
+    update(&mut model, Action::NextRecording);
+    assert_eq!((model.shots(), number(&model)), (1, 1));
+    ScreenEvent::Read(5, true, Box::default()).apply(&mut model);
+    assert_eq!(model.take_requests(), [Request::Load(4)]);
+    let shot = Box::new((shots(5).swap_remove(4), ShotNotes::default(), Vec::new()));
+    ScreenEvent::Shot(4, shot).apply(&mut model);
+    assert_eq!((model.shots(), number(&model)), (1, 1));
+    update(&mut model, Action::NextRecording);
+    assert_eq!((model.shots(), number(&model)), (5, 5));
+}
+
+/// The messages between the neighbouring shots, from the file as from memory.
+#[test]
+fn remote_commands_are_listed_around_their_shot() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("lab.mcap");
+    let none = std::collections::BTreeMap::new();
+    let mut writer = RecordingWriter::create_live(&file, &none, &[]).expect("a recording");
+    let line = |seconds: f64, direction, bytes: &[u8]| ScpiLine {
+        timestamp_ns: (seconds * 1e9) as u64,
+        peer: "raw 127.0.0.1:40001".to_owned(),
+        direction,
+        bytes: bytes.to_vec(),
+    };
+    // Before each shot a set-up, behind it the curve.
+    for shot in &shots(3) {
+        let number = f64::from(shot.number);
+        let set_up = format!("CH1:SCA {number}");
+        let (command, reply) = (Direction::Command, Direction::Reply);
+        writer.add_line(&line(number - 0.5, command, set_up.as_bytes())).expect("written");
+        writer.add(shot, &ShotNotes::default()).expect("written");
+        writer.add_line(&line(number + 0.25, command, b"CURV?")).expect("written");
+        writer.add_line(&line(number + 0.375, reply, b"#42500\x00\x01\xff\n")).expect("written");
+        writer.flush().expect("written");
+    }
+    writer.finish().expect("finished");
+    let whole = mcap::read(&file).expect("a recording");
+    let step = [Action::Page(Page::Remote), Action::Shot(TurnDirection::Up)];
+    let in_memory = after(model(whole), &step);
+    let kept = in_memory.remote_messages();
+    let kept: Vec<&ScpiLine> = kept.into_iter().flatten().collect();
+    let mut tape = IndexedRecording::open(&file).expect("a tape");
+    read_to_end(&mut tape);
+    let read = tape.lines_around(1).expect("readable");
+    assert_eq!(read.iter().collect::<Vec<&ScpiLine>>(), kept);
+    let screen = draw(&in_memory, 80, 24);
+    // Of the shot before the curve, then this shot's own set-up and curve, and the next set-up.
+    let rows: Vec<String> = (2..9).map(|y| screen.row(y).trim_end().to_owned()).collect();
+    let expected = [
+        "    -0.750 s > CURV?",
+        "    -0.625 s < #42500… 10 bytes in all",
+        "    -0.500 s > CH1:SCA 2",
+        "         0 s ─── shot 2 ───",
+        "    +0.250 s > CURV?",
+        "    +0.375 s < #42500… 10 bytes in all",
+        "    +0.500 s > CH1:SCA 3",
+    ];
+    assert_eq!(rows, expected);
+    // The shot is selected; the next row stands below with its time of the day.
+    let next = after(in_memory, &[Action::Scroll(TurnDirection::Down)]);
+    draw(&next, 80, 24).find("00:00:02.250 UTC, raw 127.0.0.1:40001: CURV?");
+}
+
 /// The first half of a shot is in the file and on the screen when the rest is written.
 #[test]
 fn a_followed_shot_is_shown_whole_in_the_end() {
@@ -277,7 +372,6 @@ fn a_followed_shot_is_shown_whole_in_the_end() {
 /// An hour of polling: commands and replies are counted, not kept, and of the log the last lines are.
 #[test]
 fn a_long_session_is_followed_in_little_memory() {
-    use hertzscope::recording::{Direction, ScpiLine};
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("lab.mcap");
     let none = std::collections::BTreeMap::new();

@@ -204,7 +204,7 @@ fn a_spectrum_has_its_own_units() {
     screen.find("MATH 10.0dB");
     screen.find("50.0kHz/div");
     screen.find("Pos: 250kHz");
-    assert!(screen.row(19).contains("350kHz"), "{}", screen.row(19));
+    assert!(screen.row(19).contains("300kHz"), "{}", screen.row(19));
     assert!(screen.row(down(0)).starts_with("50.0dB"), "{}", screen.row(down(0)));
     assert!(!screen.has("▼"), "a spectrum has no trigger");
     // The line of 10 dB, in the centre; the floor 4 divisions lower.
@@ -251,14 +251,16 @@ fn a_search_in_the_help_leaves_what_it_finds() {
 #[test]
 fn hints_name_keys_that_exist() {
     let pages = [Page::Scope, Page::Spectrum, Page::Map, Page::Xy, Page::Bench, Page::Compare];
-    for page in pages.into_iter().chain([Page::Accuracy]) {
+    let lists = [Page::HardCases, Page::Remote, Page::Accuracy, Page::Effects];
+    for page in pages.into_iter().chain(lists) {
         for (keys, what) in hints(page) {
             for key in keys.split(' ') {
                 let known = bindings().any(|b| b.label.split_whitespace().any(|word| word == key));
                 assert!(known, "{key}: {what}");
             }
         }
-        if page == Page::Accuracy {
+        // Without a scene these two say that nothing can be run.
+        if matches!(page, Page::Accuracy | Page::Effects) {
             continue;
         }
         let screen = draw(&after(four_channels(), &[Action::Page(page)]), 80, 24);
@@ -274,6 +276,39 @@ fn xy_has_ch1_to_the_right() {
         let model = after(after(four_channels(), select), &[Action::Page(Page::Xy)]);
         let text = draw(&model, 80, 24).text();
         assert!(text.contains(&format!("XY: {upward} upward, CH1 to the right")), "{text}");
+    }
+}
+
+/// A shifted axis has its labels at round values, each where its value is.
+#[test]
+fn shifted_axes_have_round_labels() {
+    let pan = Action::Pan(TurnDirection::Up);
+    let up = Action::Position(TurnDirection::Up);
+    let screen = draw(&after(four_channels(), &[ZOOM_IN, pan, up]), 80, 24);
+    // 100 µs/div, half a division to the left of 1 ms: 0.8 ms stands 3.5 divisions from the left, 1 ms 5.5.
+    for (text, division) in [("800µs", 3.5), ("1.00ms", 5.5), ("1.20ms", 7.5)] {
+        let row = screen.row(19);
+        let at = row.find(text).unwrap_or_else(|| panic!("no {text} in {row}"));
+        let middle = row[..at].chars().count() + text.chars().count() / 2;
+        let column = 9.0 + 7.0 * division;
+        assert!((middle as f64 - column).abs() <= 1.0, "{text} at {middle}, not {column}: {row}");
+    }
+    // Zero is labelled at its marker, and a volt two divisions above it.
+    let (_, ground) = screen.find("1▸");
+    assert_eq!(ground, down(4) - 1);
+    assert!(screen.row(ground).starts_with("0V"), "{}", screen.row(ground));
+    assert!(screen.row(ground - 4).starts_with("1.00V"), "{}", screen.row(ground - 4));
+}
+
+/// A word that is no command is answered with all that are, whatever the width.
+#[test]
+fn an_unknown_command_is_answered_in_full() {
+    let typed: Vec<Action> = "foo".chars().map(Action::Type).collect();
+    let actions = [&[Action::Prompt("")], &typed[..], &[Action::Submit]].concat();
+    let text = draw(&after(four_channels(), &actions), 80, 24).text();
+    for (command, _) in COMMANDS {
+        let word = command.split(' ').next().expect("a word");
+        assert!(text.contains(word), "no {word} in {text}");
     }
 }
 

@@ -10,16 +10,18 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use super::bench::{Screen, after, draw, four_channels};
+use super::bench::{Screen, after, channel, draw, four_channels, recording};
 use super::live::Session;
 use hertzscope::measurement::compare::score_limits::ScoreLimits;
 use hertzscope::measurement::compare::{Align, ComparedShot as Against, compare};
+use hertzscope::report;
 use hertzscope::studies::cost::{ChosenMethod, CostStudy, Point, Reference};
 use hertzscope::studies::effects::{Change, EffectState, EffectVerdict, Ledger, LedgerEntry};
+use hertzscope::studies::hard_cases::{CaseResult, CaseVerdict};
 use hertzscope::tui::axis::TurnDirection;
 use hertzscope::tui::model::background_jobs::JobAnswer;
 use hertzscope::tui::model::{
-    Action, JobState, Page, Palette, Popup, ScreenState, SidePanel, update,
+    Action, JobState, Page, Palette, Popup, PrintedTables, ScreenState, SidePanel, update,
 };
 use ratatui::style::{Color, Modifier};
 
@@ -89,6 +91,10 @@ fn made_up_traces() {
     check("help", &after(four_channels(), &[Action::Toggle(Popup::Help)]));
     let prompt = [Action::Prompt("write "), Action::Type('x')];
     check("prompt", &after(four_channels(), &prompt));
+    let mut beside = four_channels();
+    let other = vec![channel(1, 0.2, 1.0, |time| if time < 5e-4 { 0.0 } else { 0.6 })];
+    beside.add_behind("yesterday.mcap".to_owned(), recording(vec![other]));
+    check("beside", &after(beside, &[Action::Pan(TurnDirection::Up), zoom]));
 }
 
 #[test]
@@ -217,7 +223,6 @@ fn entry(effect: &'static str, state: EffectState, peak: f64) -> LedgerEntry {
 fn accuracy() {
     let mut session = bench();
     session.model.apply_answer(JobAnswer::Study(JobState::Busy(0.4)));
-    session.model.apply_answer(JobAnswer::Ledger(JobState::Failed("it cannot be run".to_owned())));
     update(&mut session.model, Action::Page(Page::Accuracy));
     session.model.take_requests();
     check("accuracy-busy", &session.model);
@@ -256,6 +261,21 @@ fn accuracy() {
         level: None,
         sample: 1e-3,
     };
+    session.model.apply_answer(JobAnswer::Study(JobState::Done(Box::new(study))));
+    check("accuracy", &session.model);
+}
+
+#[test]
+fn effects_and_hard_cases() {
+    let mut session = bench();
+    session.model.print_with(PrintedTables {
+        effects: |ledger| report::effects(ledger, false),
+        hard_cases: |cases| report::hard_cases(cases, false),
+    });
+    session.model.apply_answer(JobAnswer::Ledger(JobState::Busy(0.4)));
+    update(&mut session.model, Action::Page(Page::Effects));
+    session.model.take_requests();
+    check("effects-busy", &session.model);
     let ledger = Ledger {
         scene: "magnet-0.61g".to_owned(),
         accuracy: 1e-6,
@@ -265,8 +285,26 @@ fn accuracy() {
             entry("plasticity", EffectState::Auto, 0.0),
         ],
     };
-    session.model.apply_answer(JobAnswer::Study(JobState::Done(Box::new(study))));
     session.model.apply_answer(JobAnswer::Ledger(JobState::Done(Box::new(ledger))));
     update(&mut session.model, Action::NextKnob(TurnDirection::Up));
-    check("accuracy", &session.model);
+    check("effects", &session.model);
+    let case = |case, verdict| CaseResult {
+        case,
+        why: "it is in this list to be seen, with words enough for more than a line of a narrow terminal, or for two.",
+        bound: "1e-6, made up.",
+        figure: "energy: 3e-9 of 1e-6".to_owned(),
+        found: Some(3e-9),
+        limit: Some(1e-6),
+        checks: 3,
+        verdict,
+    };
+    let cases = vec![
+        case("first contact", CaseVerdict::Right),
+        case("second contact", CaseVerdict::Refused),
+        case("chaos", CaseVerdict::Right),
+    ];
+    session.model.apply_answer(JobAnswer::HardCases(JobState::Done(cases)));
+    update(&mut session.model, Action::Page(Page::HardCases));
+    update(&mut session.model, Action::Scroll(TurnDirection::Down));
+    check("hard-cases", &session.model);
 }

@@ -161,6 +161,27 @@ fn keys_and_command_line_reach_it() {
     assert_eq!(terminal.end().0, 0);
 }
 
+/// Two recordings of the same name are told apart by their paths; a scene is no recording.
+#[test]
+fn two_recordings_are_shown_side_by_side() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let other = folder.path().join("gravity-0.61g.mcap");
+    let recording = Path::new(env!("CARGO_MANIFEST_DIR")).join(RECORDING);
+    std::fs::copy(recording, &other).expect("a copy");
+    let mut terminal = Terminal::open(&[RECORDING, &other.display().to_string()], &[]);
+    terminal.wait_for("both names", |t| {
+        let row = t.parser.screen().rows(0, 80).next().unwrap_or_default();
+        row.starts_with(&format!("{RECORDING}  ┄ /"))
+    });
+    terminal.press("O");
+    terminal.wait_for_text("in front: /");
+    terminal.press("q");
+    assert_eq!(terminal.end().0, 0);
+    let (code, all) = Terminal::open(&[RECORDING, "magnet-0.61g"], &[]).end();
+    assert_eq!(code, 2);
+    assert!(all.contains("--against magnet-0.61g"), "{all}");
+}
+
 /// What the options of the same names say can be said later, and kept.
 #[test]
 fn commands_say_what_the_bench_is() {

@@ -1,0 +1,170 @@
+//! Autoset: the first pulses of all traces fill the screen. On a recording the picture changes; on a bench that runs, the scope is set; a
+//! served scope has an autoset of its own.
+
+use super::knobs::typed;
+use super::{ScreenState, Visibility};
+use crate::measurement::arrivals::survey;
+use crate::scope::{Source, Waveform};
+use crate::tui::axis::{Steps, ViewWindow, is_spectrum};
+
+/// Most that a trace takes of the eight divisions upward: half a division is left for rounding its position (div).
+const SWING: f64 = 7.5;
+/// Most that the first pulses take of the ten divisions across (div).
+const PULSES: f64 = 9.0;
+/// Steps that positions are rounded to: half divisions are easier to read (div).
+const POSITION_STEP: f64 = 0.5;
+/// A clipped trace is larger than it is seen (1).
+const CLIPPED_FACTOR: f64 = 2.0;
+/// Widths of a first pulse before and behind the middle of its rise, between which all of it lies (1).
+const PULSE_WIDTHS: (f64, f64) = (1.0, 2.0);
+
+/// `value` on the next of steps of `step` (unit).
+fn rounded(value: f64, step: f64) -> f64 {
+    (value / step).round() * step
+}
+
+/// Lowest and highest value between two abscissae, of all values where none is between them (unit).
+fn range(waveform: &Waveform, window: ViewWindow) -> (f64, f64) {
+    let span = |inside: &dyn Fn(f64) -> bool| {
+        let codes = waveform.codes.iter().enumerate();
+        let values = codes.filter(|(index, _)| inside(waveform.time(*index)));
+        let values = values.map(|(_, code)| waveform.volts_of(*code));
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+            (low.min(value), high.max(value))
+        })
+    };
+    let shown = span(&|time| (window.left()..=window.right()).contains(&time));
+    if shown.0 <= shown.1 { shown } else { span(&|_| true) }
+}
+
+/// The first pulses of several traces.
+struct FirstPulses {
+    /// Before the earliest of them (s).
+    from: f64,
+    /// Behind the latest (s).
+    to: f64,
+    /// Middle of the rise of the earliest (s).
+    earliest: f64,
+    /// Its channel.
+    channel: String,
+    /// Its height (V).
+    height: f64,
+}
+
+impl ScreenState {
+    /// Shows the first pulses of all traces as large as the screen allows.
+    pub(super) fn autoset(&mut self) {
+        if self.is_served() {
+            self.send(":AUTOS EXEC");
+            self.notice = Some("sent AUTOSet EXECute: the next record shows it".to_owned());
+            return;
+        }
+        let sets_the_scope = self.sets_the_scope();
+        let traces = match self.set_shot() {
+            Some(shot) if sets_the_scope => &shot.captures,
+            _ => &self.traces,
+        };
+        let shown: Vec<Waveform> = traces
+            .iter()
+            .map(|capture| capture.waveform.clone())
+            .filter(|waveform| self.visibility(waveform) == Visibility::Shown)
+            .filter(|waveform| !is_spectrum(waveform))
+            .collect();
+        let Some(first) = shown.first() else { return };
+        let pulses = self.first_pulses(&shown);
+        if sets_the_scope {
+            return self.set_the_scope(&shown, pulses);
+        }
+        let window = pulses.map_or_else(
+            || ViewWindow::recorded(first),
+            |FirstPulses { from, to, .. }| {
+                ViewWindow::around(first, f64::midpoint(from, to), (to - from) / PULSES)
+            },
+        );
+        for waveform in &shown {
+            let (low, high) = range(waveform, window);
+            if !(high - low).is_normal() {
+                continue;
+            }
+            let scale = Steps::OneTwoFive.at_least((high - low) / SWING);
+            let position = rounded(-f64::midpoint(low, high) / scale, POSITION_STEP);
+            let adjustment = self.adjustments.entry(waveform.source).or_default();
+            (adjustment.scale, adjustment.position) = (Some(scale), Some(position));
+        }
+        self.window = (!window.same_as(&ViewWindow::recorded(first))).then_some(window);
+    }
+
+    /// The first pulses of these traces; none where no trace has one.
+    fn first_pulses(&self, shown: &[Waveform]) -> Option<FirstPulses> {
+        let survey = survey(&self.set, self.shot()?);
+        let is_shown =
+            |name: &str| shown.iter().any(|waveform| waveform.source.to_string() == name);
+        let pulses =
+            survey.channels.iter().filter(|c| is_shown(&c.channel)).filter_map(|channel| {
+                let half =
+                    channel.arrivals.iter().find(|arrival| arrival.estimator == "half_rise")?;
+                let (time, width) = (half.time_s?.value, channel.width_s?.value);
+                Some(FirstPulses {
+                    from: time - PULSE_WIDTHS.0 * width,
+                    to: time + PULSE_WIDTHS.1 * width,
+                    earliest: time,
+                    channel: channel.channel.clone(),
+                    height: channel.height_v?.value,
+                })
+            });
+        pulses.reduce(|one, other| {
+            let (from, to) = (one.from.min(other.from), one.to.max(other.to));
+            let first = if other.earliest < one.earliest { other } else { one };
+            FirstPulses { from, to, ..first }
+        })
+    }
+
+    /// Sets time base, position, trigger, and each channel's scale and position on the bench's scope, and strikes once. The trigger is at half
+    /// the height of the earliest pulse.
+    fn set_the_scope(&mut self, shown: &[Waveform], pulses: Option<FirstPulses>) {
+        let Some(scope) = self.scope() else { return };
+        let next = |steps: &[f64], least: f64| {
+            let fitting = steps.iter().copied().filter(|step| *step >= least * (1.0 - 1e-9));
+            fitting.reduce(f64::min).or_else(|| steps.iter().copied().reduce(f64::max))
+        };
+        let mut settings = Vec::new();
+        let mut set = |key: &str, text: String| settings.push((format!("scope.{key}"), text));
+        let mut window = shown.first().map(ViewWindow::recorded);
+        if let Some(FirstPulses { from, to, earliest, channel, height }) = pulses
+            && let Some(base) = next(&scope.model.time_bases, (to - from) / PULSES)
+        {
+            let after = rounded(f64::midpoint(from, to) - earliest, POSITION_STEP * base);
+            set("time_base", typed(base, "s/div"));
+            set("position", typed(after, "s"));
+            set("trigger.source", channel);
+            set("trigger.level", typed(height / 2.0, "V"));
+            set("trigger.slope", if height > 0.0 { "rise" } else { "fall" }.to_owned());
+            window = Some(ViewWindow { centre: earliest + after, scale: base });
+        }
+        let mut clipped = false;
+        for waveform in shown {
+            let (Source::Channel(number), Some(window)) = (waveform.source, window) else {
+                continue;
+            };
+            let (low, high) = range(waveform, window);
+            let is_clipped = waveform.clipped() > 0;
+            clipped |= is_clipped;
+            let factor = if is_clipped { CLIPPED_FACTOR } else { 1.0 };
+            let probe = waveform.vertical.probe;
+            let scales: Vec<f64> = scope.model.vertical_scales.iter().map(|s| s * probe).collect();
+            let Some(scale) = next(&scales, factor * (high - low) / SWING) else { continue };
+            let position = rounded(-f64::midpoint(low, high) / scale, POSITION_STEP);
+            set(&format!("ch{number}.scale"), typed(scale, "V/div"));
+            let position = self.panel_position(position);
+            set(&format!("ch{number}.position"), typed(position, "div"));
+        }
+        let Some((last, rest)) = settings.split_last() else { return };
+        if let Some(live) = &mut self.live {
+            live.settings.extend(rest.iter().cloned());
+        }
+        if clipped {
+            self.notice = Some("a trace was clipped: a again fits it".to_owned());
+        }
+        self.set_value(last.0.clone(), last.1.clone());
+    }
+}

@@ -1,0 +1,50 @@
+//! The traces of a shot, in volts or newtons.
+
+use crate::measurement::force::{Forces, ForcesError, forces};
+use crate::recording::{Capture, Shot, TraceSet};
+use crate::scope::{VerticalSetup, Waveform};
+use crate::tui::axis::Steps;
+
+/// Levels of a force that was turned into a record: as many as sixteen bits have on one side (1).
+const FORCE_LEVELS: f64 = 32000.0;
+
+/// A force as a record: levels of sixteen bits, on a scale that leaves the trace where its volts stood.
+fn as_record(volts: &Capture, forces: &Forces) -> Capture {
+    let force = &forces.force;
+    let largest = force.values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+    let level = if largest > 0.0 { largest / FORCE_LEVELS } else { 1.0 };
+    let codes = force.values.iter().map(|value| (value / level).round() as i16).collect();
+    let recorded = &volts.waveform;
+    let sensitivity = forces.sensor.sensitivity.unwrap_or(1.0);
+    let scale = Steps::OneTwoFive.at_least(recorded.vertical.scale / sensitivity);
+    let mut preamble = recorded.preamble.clone();
+    (preamble.y_mult, preamble.y_off, preamble.y_zero) = (level, 0.0, 0.0);
+    "N".clone_into(&mut preamble.y_unit);
+    let vertical = VerticalSetup { scale, ..recorded.vertical };
+    let waveform = Waveform { codes, preamble, vertical, ..recorded.clone() };
+    Capture { waveform, ..volts.clone() }
+}
+
+/// The captures of a shot, as forces where `newtons` are asked for; with that, why one of them is not.
+pub(super) fn shot_traces(
+    set: &TraceSet,
+    shot: &Shot,
+    newtons: bool,
+) -> (Vec<Capture>, Option<String>) {
+    let mut traces = shot.captures.clone();
+    let mut missing = None;
+    if newtons {
+        for (trace, force) in traces.iter_mut().zip(forces(set, shot)) {
+            match force {
+                Ok(forces) => *trace = as_record(trace, &forces),
+                Err(ForcesError::NoSensor { channel }) => {
+                    missing = Some(format!(
+                        "no calibration for {channel}: cannot show newtons (give one with --sensor)"
+                    ));
+                }
+                Err(problem) => missing = Some(format!("cannot show newtons: {problem}")),
+            }
+        }
+    }
+    (traces, missing)
+}
