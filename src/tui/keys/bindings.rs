@@ -325,6 +325,7 @@ pub fn hints(page: Page) -> &'static [(&'static str, &'static str)] {
             ("c", "cursors"),
             ("M", "measure"),
             ("k", "accuracy"),
+            ("y h", "effects, hard cases"),
             (", .", "shot"),
             ("Space", "play"),
             ("n - +", "knob"),

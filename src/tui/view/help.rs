@@ -53,5 +53,5 @@ pub(super) fn draw(model: &ScreenState, frame: &mut Frame) {
         (_, true) => "Keys: / searches".to_owned(),
         _ => format!("Keys with: {}", model.prompt()),
     };
-    panel(model, &title, lines, frame);
+    panel(model.scroll(), &title, lines, frame);
 }

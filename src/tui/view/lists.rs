@@ -186,16 +186,21 @@ fn clock_time(timestamp_ns: u64) -> String {
     )
 }
 
-/// A message as a line of text; of a binary block its length.
+/// A message as a line of text; of a reply's binary block the length.
 fn text(line: &ScpiLine) -> String {
     let bytes = line.bytes.trim_ascii_end();
-    let seen = &bytes[..bytes.len().min(MOST_BYTES)];
-    if line.direction == Direction::Reply && seen.iter().any(|byte| !matches!(byte, b' '..=b'~')) {
-        let words = seen.iter().take_while(|byte| matches!(byte, b' '..=b'~'));
-        let words: String = words.map(|byte| char::from(*byte)).collect();
-        return format!("{words}… {} bytes in all", line.bytes.len());
+    let digits = |place: &usize| match bytes.get(*place..) {
+        Some([b'#', count @ b'1'..=b'9', ..]) => Some(usize::from(count - b'0')),
+        _ => None,
+    };
+    let block = (0..bytes.len()).find_map(|place| Some(place + 2 + digits(&place)?));
+    match block.filter(|_| line.direction == Direction::Reply) {
+        Some(end) => {
+            let head = bytes.get(..end).unwrap_or(bytes).escape_ascii();
+            format!("{head}… {} bytes in all", line.bytes.len())
+        }
+        None => bytes.get(..MOST_BYTES).unwrap_or(bytes).escape_ascii().to_string(),
     }
-    seen.escape_ascii().to_string()
 }
 
 /// Draws as many rows around the selected one as there is room for.

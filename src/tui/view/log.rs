@@ -4,7 +4,8 @@ use ratatui::Frame;
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::Line;
 
-use super::{colour, panel};
+use super::colour;
+use super::panel::{PANEL_MARGINS, panel, wrapped};
 use crate::tui::model::ScreenState;
 
 /// Draws the list over the screen, problems first.
@@ -12,18 +13,17 @@ pub(super) fn draw(model: &ScreenState, frame: &mut Frame) {
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let warning = Style::new().fg(colour(model.palette(), Color::LightRed));
     let set = model.set();
-    let mut lines = vec![Line::styled("Problems", bold)];
-    if set.problems.is_empty() {
-        lines.push(Line::raw("none"));
-    }
-    for problem in &set.problems {
-        lines.push(Line::styled(problem.as_str(), warning));
-    }
-    lines.push(Line::default());
-    lines.push(Line::styled("Log", bold));
-    if set.log.is_empty() {
-        lines.push(Line::raw("empty"));
-    }
-    lines.extend(set.log.iter().map(|line| Line::raw(line.as_str())));
-    panel(model, "Problems and log", lines, frame);
+    let width = usize::from(frame.area().width.saturating_sub(PANEL_MARGINS));
+    let texts = |texts: &[String], none: &'static str, style: Style| -> Vec<Vec<Line>> {
+        let lines = texts.iter().map(|text| {
+            wrapped(text, width).into_iter().map(|line| Line::styled(line, style)).collect()
+        });
+        if texts.is_empty() { vec![vec![Line::raw(none)]] } else { lines.collect() }
+    };
+    let mut entries = vec![vec![Line::styled("Problems", bold)]];
+    entries.extend(texts(&set.problems, "none", warning));
+    entries.push(vec![Line::default(), Line::styled("Log", bold)]);
+    entries.extend(texts(&set.log, "empty", Style::new()));
+    let first = entries.iter().take(model.scroll()).map(Vec::len).sum();
+    panel(first, "Problems and log", entries.concat(), frame);
 }

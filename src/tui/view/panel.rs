@@ -5,7 +5,8 @@ use ratatui::layout::{Alignment, Constraint, Margin, Rect};
 use ratatui::text::Line;
 use ratatui::widgets::{Block, Clear, Paragraph, Wrap};
 
-use crate::tui::model::ScreenState;
+/// Columns of a panel's frame and of the gaps inside it.
+pub(super) const PANEL_MARGINS: u16 = 4;
 
 /// One sentence in the middle of `area`.
 pub(super) fn message(text: &str, area: Rect, frame: &mut Frame) {
@@ -29,16 +30,17 @@ pub(super) fn wrapped(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// Text in a frame over the screen, as large as it needs and the terminal allows.
-pub(super) fn panel(model: &ScreenState, title: &str, lines: Vec<Line>, frame: &mut Frame) {
+/// Text in a frame over the screen, as large as it needs and the terminal allows, from the line `first` on.
+pub(super) fn panel(first: usize, title: &str, lines: Vec<Line>, frame: &mut Frame) {
     let area = frame.area();
     let widest = lines.iter().map(Line::width).max().unwrap_or(0);
-    let width = u16::try_from(widest + 4).unwrap_or(u16::MAX).min(area.width);
+    let width = u16::try_from(widest).unwrap_or(u16::MAX).saturating_add(PANEL_MARGINS);
+    let width = width.min(area.width);
     let height = u16::try_from(lines.len() + 2).unwrap_or(u16::MAX).min(area.height);
     let place = area.centered(Constraint::Length(width), Constraint::Length(height));
     let inner = place.inner(Margin::new(2, 1));
     let hidden = lines.len().saturating_sub(usize::from(inner.height));
-    let first = model.scroll().min(hidden);
+    let first = first.min(hidden);
     let more = if hidden > 0 {
         format!(" {title} ({}/{}, ↑↓) ", first + 1, hidden + 1)
     } else {

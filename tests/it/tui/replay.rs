@@ -293,7 +293,7 @@ fn remote_commands_are_listed_around_their_shot() {
         writer.add_line(&line(number - 0.5, command, set_up.as_bytes())).expect("written");
         writer.add(shot, &ShotNotes::default()).expect("written");
         writer.add_line(&line(number + 0.25, command, b"CURV?")).expect("written");
-        writer.add_line(&line(number + 0.375, reply, b"#42500\x00\x01\xff\n")).expect("written");
+        writer.add_line(&line(number + 0.375, reply, b"#42500222\n")).expect("written");
         writer.flush().expect("written");
     }
     writer.finish().expect("finished");

@@ -322,6 +322,17 @@ fn problems_and_log_have_a_panel() {
     screen.find("shot 1 taken");
 }
 
+/// No line of the log is cut, and the last one can be reached.
+#[test]
+fn long_lines_of_the_log_are_wrapped() {
+    let mut set = recording(vec![vec![step()]]);
+    set.log = (0..30).map(|line| format!("{} end{line}.", "word ".repeat(30))).collect();
+    let model = after(model(set), &[Action::Toggle(Popup::Log)]);
+    assert!(draw(&model, 80, 24).has(" end0."));
+    let model = after(model, &[Action::Scroll(TurnDirection::Down); 40]);
+    assert!(draw(&model, 80, 24).has(" end29."));
+}
+
 #[test]
 fn a_long_log_is_scrolled() {
     let mut set = recording(vec![vec![step()]]);
