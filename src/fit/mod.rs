@@ -83,8 +83,9 @@ pub fn fit(
         let is_determined = NORMAL_95 * u < value.abs();
         if !is_determined {
             let scaled = |x: f64| x * knob.value / knob.scale;
-            let with =
-                format!(" ({:.3} ± {:.1e} {})", scaled(value), scaled(NORMAL_95 * u), knob.unit);
+            let (value, u) = (scaled(value), scaled(NORMAL_95 * u));
+            let u = if (0.01..1e4).contains(&u) { format!("{u:.2}") } else { format!("{u:.0e}") };
+            let with = format!(" ({value:.3} ± {u} {})", knob.unit);
             return Err(FitError::Undetermined { parameter: knob.path.clone(), with });
         }
     }

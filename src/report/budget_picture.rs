@@ -104,6 +104,7 @@ mod tests {
             name: "a peak".to_owned(),
             unit: "N",
             value: 3.0,
+            as_run: 3.0,
             u: 0.05,
             expanded: 0.1,
             interval_95: [2.9, 3.1],

@@ -98,7 +98,8 @@ fn alignment(comparison: &Comparison) -> String {
 
 fn verdict(comparison: &Comparison) -> String {
     let tolerance = comparison.tolerance.join(", ");
-    format!("{}: {tolerance}", comparison.verdict)
+    let expected = if comparison.failures.is_empty() { "" } else { "expected " };
+    format!("{}: {expected}{tolerance}", comparison.verdict)
 }
 
 fn mapping(comparison: &Comparison) -> Vec<String> {

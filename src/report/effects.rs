@@ -7,10 +7,18 @@ use crate::quantity::engineering;
 use crate::studies::effects::{EffectState, Ledger, LedgerEntry};
 
 /// Explanation of the table.
-const TABLE_LEGEND: &str = "Changes are those of readings with the effect against readings without it, the largest of all places; ± is what 95 % of draws stay within, where chance decides. \
-    Needed: without it readings differ by more than the accuracy (records by a tenth of a level or sample). Matters: it is off, and with it they would. \
-    No value: the scene gives none to try. * by auto. \
-    --why gives the reasons.";
+const TABLE_LEGEND: &str = "Each number is the largest change of a reading at any sensor when the effect is included, LSB that of a first peak in digitiser levels; \
+    ±: 95 % of random draws stay within. Needed: more than the accuracy (in records a tenth of a level or sample). * decided by auto. \
+    --why gives the reasons, and the values that effects which are off were tried with.";
+/// Verdicts in the order of the summary, as it calls them.
+const SUMMARY: [(&str, &str); 6] = [
+    ("on and needed", "needed"),
+    ("off, but would matter", "matters"),
+    ("no effect here", "no effect"),
+    ("the scene gives no value", "no value"),
+    ("not tried", "not tried"),
+    ("not simulated at all", "not built"),
+];
 /// Column at which reasons begin.
 const REASON_COLUMN: usize = 23;
 
@@ -29,9 +37,22 @@ pub fn effects(ledger: &Ledger, why: bool) -> String {
     if why {
         lines.extend(ledger.entries.iter().flat_map(reason));
     } else {
+        lines.extend(summary(ledger));
+        lines.push(String::new());
         lines.extend(wrapped(TABLE_LEGEND, TERMINAL_WIDTH));
     }
     lines.join("\n")
+}
+
+/// The effects by their verdicts.
+fn summary(ledger: &Ledger) -> Vec<String> {
+    let line = |(words, verdict): (&str, &str)| {
+        let with = ledger.entries.iter().filter(|entry| entry.verdict.word() == verdict);
+        let names: Vec<&str> = with.map(|entry| entry.effect).collect();
+        let first = format!("  {words:<24}  ");
+        if names.is_empty() { Vec::new() } else { hanging_indent(&first, &names.join(", ")) }
+    };
+    SUMMARY.into_iter().flat_map(line).collect()
 }
 
 /// The largest change of readings by each effect, as a picture.

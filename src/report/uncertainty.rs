@@ -8,7 +8,7 @@ use super::text::hanging_indent;
 use crate::quantity::{Dimension, Uncertain, engineering};
 use crate::recording::{Capture, Shot};
 use crate::studies::uncertainty::{
-    InputShare, NormalisedError, OutputInterval, TraceBand, UncertainPrediction,
+    InputMove, InputShare, NormalisedError, OutputInterval, TraceBand, UncertainPrediction,
 };
 use crate::trace::Trace;
 
@@ -171,13 +171,24 @@ pub fn normalised_error_lines(errors: &[NormalisedError]) -> Vec<String> {
     rows.extend(errors.iter().map(|error| {
         let (measured, simulated) =
             (shown(error.measured, error.unit), shown(error.simulated, error.unit));
-        vec![error.quantity.clone(), measured, simulated, format!("{:.2}", error.e_n)]
+        vec![error.quantity.clone(), measured, simulated, error.figure()]
     }));
     lines.extend(table::lines(&rows, &[0]));
-    for error in errors.iter().filter(|error| !error.agrees() && !error.moves.is_empty()) {
-        let moves: Vec<String> =
-            error.moves.iter().map(|one| format!("{} by {:+.1} u", one.input, one.by_u)).collect();
-        lines.push(format!("  would agree  {}: {}", error.quantity, moves.join(", ")));
+    for error in errors.iter().filter(|error| !error.agrees()) {
+        let told = |by_u: fn(&InputMove) -> f64| {
+            let moves =
+                error.moves.iter().map(|one| format!("{} by {:+.1} u", one.input, by_u(one)));
+            moves.collect::<Vec<_>>()
+        };
+        let together = told(|one| one.by_u).join(", ");
+        lines.push(match told(|one| one.alone_by_u).first() {
+            Some(alone) if error.moves.len() > 1 => format!(
+                "  note  {}: to agree, inputs would have to move together: {together}; or one alone: {alone}",
+                error.quantity
+            ),
+            Some(_) => format!("  note  {}: to agree, {together}", error.quantity),
+            None => continue,
+        });
     }
     lines
 }

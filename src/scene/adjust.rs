@@ -15,6 +15,7 @@ use super::library::{self, LoadedScene};
 use super::problem::SceneError;
 use super::tree::{ANY, at, at_mut, expand, insert, is_in_tables, known};
 use super::{Scene, input_load};
+use crate::data;
 use crate::quantity::{Dimension, parse_any};
 use crate::sensor::Load;
 
@@ -176,9 +177,12 @@ impl Adjustable {
                 let own = |root: &Node| at(root, &["materials", name]).is_some();
                 if *name != ANY && !own(&self.loaded.root) {
                     let place = self.loaded.root.place.clone();
-                    if let Ok(file) = library::instrument("materials", name, &place, "") {
-                        insert(&mut self.loaded.root, &["materials", name], file.value.clone());
-                    }
+                    let Ok(file) = library::instrument("materials", name, &place, "") else {
+                        let known = data::instrument_names("materials");
+                        let known = known.into_iter().map(str::to_owned).collect();
+                        return Err(AdjustError::Nothing { path: keys.join("."), known });
+                    };
+                    insert(&mut self.loaded.root, &["materials", name], file.value.clone());
                 }
             }
             ["sensors", name, key @ ("offset" | "host_mass")] => {

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::adjust::{AdjustError, Adjustable, AdjustableNumber};
 use super::{InputDistribution, Scene, SceneError, SpreadAmount, UncertainInput};
 use crate::quantity::coverage::normal_quantile;
-use crate::quantity::{Dimension, parse_any};
+use crate::quantity::{Dimension, engineering, parse_any};
 use crate::scope::Deviation;
 
 /// What is wrong with a scene's `[uncertainty]`.
@@ -36,6 +36,16 @@ pub enum RandomInputsError {
         found: Dimension,
         /// The value's unit.
         expected: String,
+    },
+    /// Limits that leave out the scene's own value.
+    #[error("{typed}: uncertainty.{path}: the scene's own value {value} lies outside its limits")]
+    Outside {
+        /// File and line.
+        typed: String,
+        /// The path.
+        path: String,
+        /// The scene's value, with unit.
+        value: String,
     },
     /// The scene is wrong.
     #[error(transparent)]
@@ -94,6 +104,7 @@ impl RandomInputs {
             for number in adjustable.knobs(&input.path).map_err(wrong)? {
                 if input.distribution.standard(number.value) > 0.0 {
                     check_unit(input, &number)?;
+                    check_limits(input, &number)?;
                     inputs.add(input, &number);
                 }
             }
@@ -200,6 +211,19 @@ impl RandomInputs {
         Ok(scene)
     }
 
+    /// The scene with its own numbers, but without the errors of gain and zero that are inputs.
+    ///
+    /// # Errors
+    /// [`SceneError`] as the scene itself.
+    pub fn without_errors(&self, adjustable: &Adjustable) -> Result<Scene, SceneError> {
+        let mut scene = adjustable.with(&[])?;
+        scene.sensor_tolerance = None;
+        for channel in scene.scope.channels.iter_mut().flatten() {
+            channel.deviation = Deviation::default();
+        }
+        Ok(scene)
+    }
+
     /// The scores of inputs that are each at its share `sample` of its distribution (1).
     pub fn scores(&self, sample: &[f64]) -> Vec<f64> {
         let score = |(targets, share): (&Vec<Target>, &f64)| match targets.first() {
@@ -258,6 +282,22 @@ fn check_unit(input: &UncertainInput, number: &AdjustableNumber) -> Result<(), R
                 .to_owned(),
         }),
         None => Ok(()),
+    }
+}
+
+fn check_limits(
+    input: &UncertainInput,
+    number: &AdjustableNumber,
+) -> Result<(), RandomInputsError> {
+    match input.distribution {
+        InputDistribution::Between(low, high, _) if !(low..=high).contains(&number.value) => {
+            Err(RandomInputsError::Outside {
+                typed: input.typed.clone(),
+                path: input.path.clone(),
+                value: engineering(number.value, &number.unit, 6),
+            })
+        }
+        _ => Ok(()),
     }
 }
 

@@ -119,6 +119,8 @@ pub struct UncertainPrediction {
 struct DrawnBenches {
     inputs: RandomInputs,
     scene: Scene,
+    /// Of the scene as it is, and without the errors of gain and zero that its seed draws.
+    as_run: Prediction,
     nominal: Prediction,
     /// Scores of each sample that gave a result, and its prediction.
     samples: Vec<(Vec<f64>, Prediction)>,
@@ -135,7 +137,7 @@ impl DrawnBenches {
         if inputs.count() == 0 {
             return Err(UncertaintyError::Nothing { scene: adjustable.name().to_owned() });
         }
-        let mut scenes = vec![adjustable.scene()?];
+        let mut scenes = vec![adjustable.scene()?, inputs.without_errors(adjustable)?];
         let mut scores: Vec<Vec<f64>> = Vec::new();
         let mut reason = None;
         for sample in hypercube(inputs.count(), options) {
@@ -153,7 +155,8 @@ impl DrawnBenches {
         let work = |(): &mut (), scene: &Scene| predict(scene, ACCURACY, traces);
         let done = |finished: usize| progress(finished as f64 / count as f64);
         let mut found = in_parallel(processors(), &scenes, &work, &done).into_iter();
-        let nominal = found.next().transpose()?.ok_or(UncertaintyError::NoSamples)?;
+        let mut next = || found.next().transpose()?.ok_or(UncertaintyError::NoSamples);
+        let (as_run, nominal) = (next()?, next()?);
         let pairs = scores.into_iter().zip(found);
         let samples: Vec<_> =
             pairs.filter_map(|(scores, found)| Some((scores, found.ok()?))).collect();
@@ -164,7 +167,7 @@ impl DrawnBenches {
         if samples.len() <= inputs.count() + 1 {
             return Err(UncertaintyError::NoSamples);
         }
-        Ok(Self { inputs, scene: scenes.swap_remove(0), nominal, samples })
+        Ok(Self { inputs, scene: scenes.swap_remove(0), as_run, nominal, samples })
     }
 
     fn pairs(&self) -> Vec<(&[f64], &Prediction)> {
@@ -203,7 +206,8 @@ pub fn uncertain_prediction(
     let many = SampleOptions { samples: LINEAR_SAMPLES, seed: options.seed.wrapping_add(1) };
     let many: Vec<Vec<f64>> =
         hypercube(inputs.count(), many).iter().map(|sample| inputs.scores(sample)).collect();
-    let outputs = outputs::intervals(&drawn.nominal, &drawn.pairs(), (inputs.list(), &many));
+    let outputs =
+        outputs::intervals([&drawn.nominal, &drawn.as_run], &drawn.pairs(), (inputs.list(), &many));
     Ok(UncertainPrediction {
         scene: adjustable.name().to_owned(),
         samples: options.samples,

@@ -23,8 +23,10 @@ const LISTED_SHARE: f64 = 0.1;
 pub struct InputMove {
     /// The input.
     pub input: String,
-    /// By how many of its own standard uncertainties (1).
+    /// By how many of its own standard uncertainties, with the others (1).
     pub by_u: f64,
+    /// The same if it moved alone (1).
+    pub alone_by_u: f64,
 }
 
 /// The normalised error of one quantity.
@@ -46,6 +48,12 @@ pub struct NormalisedError {
 }
 
 impl NormalisedError {
+    /// `E_n` to two decimals, or as many as show that it is above 1.
+    pub fn figure(&self) -> String {
+        let text = format!("{:.2}", self.e_n);
+        if self.agrees() || text != "1.00" { text } else { format!("{:.4}", self.e_n) }
+    }
+
     /// Whether both sides agree within what they know.
     pub fn agrees(&self) -> bool {
         self.e_n <= 1.0
@@ -59,14 +67,19 @@ pub fn normalised_errors(
 ) -> Vec<NormalisedError> {
     let comparison = &compared.comparison;
     let output = |name: String| predicted.outputs.iter().find(|output| output.name == name);
+    // Both sides tell readings: where the prediction counts its scope's gain, the measured reading is what it is.
+    let gain_u = |score: &ChannelScore| {
+        let gain = format!("gain of {}", score.against);
+        if predicted.inputs.iter().any(|input| input.name == gain) { 0.0 } else { score.gain_u }
+    };
     let mut errors = Vec::new();
     for score in &comparison.channels {
         let pair = score.peak_measured_v.zip(score.peak_simulated_v);
         if let (Some((measured, simulated)), Some(output)) =
             (pair, output(format!("{} first peak, droop undone", score.against)))
         {
-            let u = measured.u.hypot(score.gain_u * measured.value);
-            let half_width = 3f64.sqrt() * score.gain_u * measured.value.abs();
+            let gain = gain_u(score) * measured.value.abs();
+            let (u, half_width) = (measured.u.hypot(gain), 3f64.sqrt() * gain);
             let measured = Uncertain { u, half_width, ..measured };
             errors.push(error(format!("{} first peak", score.name), measured, simulated, output));
         }
@@ -95,7 +108,7 @@ pub fn normalised_errors(
     let traces = comparison.channels.iter().zip(&compared.pairs).zip(&compared.quiet);
     errors.extend(traces.filter_map(|((score, pair), quiet)| {
         let band = predicted.bands.iter().find(|band| band.channel == score.against)?;
-        trace_error(score, pair, (*quiet)?, band)
+        trace_error((score, gain_u(score)), pair, (*quiet)?, band)
     }));
     errors
 }
@@ -106,7 +119,7 @@ pub fn judge(compared: &mut Compared, predicted: &UncertainPrediction) -> Vec<No
     let comparison = &mut compared.comparison;
     if !errors.is_empty() {
         let beyond = errors.iter().filter(|error| !error.agrees());
-        let failures = beyond.map(|error| format!("{}: E_n {:.2}", error.quantity, error.e_n));
+        let failures = beyond.map(|error| format!("{}: E_n {}", error.quantity, error.figure()));
         comparison.failures = failures.collect();
         comparison.tolerance = vec!["E_n of peaks, delays, speeds and traces up to 1".to_owned()];
         comparison.verdict = if comparison.failures.is_empty() { "pass" } else { "fail" };
@@ -116,7 +129,7 @@ pub fn judge(compared: &mut Compared, predicted: &UncertainPrediction) -> Vec<No
 
 /// Root mean square over the samples of their normalised errors; none for a band that tells nothing of them.
 fn trace_error(
-    score: &ChannelScore,
+    (score, gain_u): (&ChannelScore, f64),
     pair: &Pair,
     [measured, simulated]: [Uncertain; 2],
     band: &TraceBand,
@@ -131,8 +144,7 @@ fn trace_error(
     for (index, (m, s)) in pair.measured.values.iter().zip(&pair.simulated.values).enumerate() {
         let Some(model) = half_width(pair.measured.time(index)) else { continue };
         let volts = m - measured.value;
-        let gain =
-            expanded_95(score.gain_u * volts.abs(), 3f64.sqrt() * score.gain_u * volts.abs());
+        let gain = expanded_95(gain_u * volts.abs(), 3f64.sqrt() * gain_u * volts.abs());
         let expanded = noise.hypot(gain).hypot(model);
         squares += ((volts - (s - simulated.value)) / expanded).powi(2);
         count += 1.0;
@@ -157,7 +169,7 @@ fn error(
     output: &OutputInterval,
 ) -> NormalisedError {
     // The scene's part is relative to its own value: the simulated one has noise on it.
-    let scale = simulated.value / output.value;
+    let scale = simulated.value / output.as_run;
     let u = simulated.u.hypot(output.u * scale);
     let simulated = Uncertain { value: output.middle() * scale, u, ..simulated };
     let difference = measured.value - simulated.value;
@@ -169,6 +181,7 @@ fn error(
         .map(|part| InputMove {
             input: part.input.clone(),
             by_u: difference * part.change / squares,
+            alone_by_u: difference / part.change,
         })
         .collect();
     moves.sort_by(|a, b| b.by_u.abs().total_cmp(&a.by_u.abs()));

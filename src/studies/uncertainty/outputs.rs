@@ -20,6 +20,9 @@ pub struct OutputInterval {
     pub unit: &'static str,
     /// Its value with the scene's own numbers (unit).
     pub value: f64,
+    /// The same with the errors of gain and zero that a run draws from the seed (unit).
+    #[serde(skip)]
+    pub as_run: f64,
     /// Standard deviation of the samples (unit).
     pub u: f64,
     /// Half of the interval's width (unit).
@@ -57,11 +60,11 @@ const LINEAR_SHARE: f64 = 0.95;
 
 /// All outputs that the nominal run has, in the samples that have them; `many` scores are those that no run is made for.
 pub(super) fn intervals(
-    nominal: &Prediction,
+    [nominal, as_run]: [&Prediction; 2],
     samples: &[(&[f64], &Prediction)],
     (inputs, many): (&[RandomInput], &[Vec<f64>]),
 ) -> Vec<OutputInterval> {
-    let all = listed(nominal);
+    let (all, as_run) = (listed(nominal), listed(as_run));
     let found: Vec<Vec<(String, &str, f64)>> =
         samples.iter().map(|(_, prediction)| listed(prediction)).collect();
     let interval = |(name, unit, value): &(String, &'static str, f64)| {
@@ -85,6 +88,7 @@ pub(super) fn intervals(
             name: name.clone(),
             unit,
             value: *value,
+            as_run: of(&as_run).unwrap_or(*value),
             u,
             expanded: 0.5 * (interval_95[1] - interval_95[0]),
             interval_95,

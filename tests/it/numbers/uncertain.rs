@@ -114,6 +114,57 @@ fn shares_are_parts_of_one_and_lopsided_intervals_have_two_ends() {
     }
 }
 
+/// Limits that leave out the scene's own value contradict it.
+#[test]
+fn limits_hold_the_scenes_own_value() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = only(&[("striker.speed", "{ between = [\"0.45 m/s\", \"0.46 m/s\"] }")]);
+    let (mut scene, _) = adjustable(&folder, &text);
+    let options = SampleOptions { samples: 30, seed: 1 };
+    let refused = uncertain_prediction(&mut scene, options, false, &|_| ());
+    let words = refused.expect_err("a contradiction").to_string();
+    assert!(words.contains("striker.speed") && words.contains("440 mm/s"), "{words}");
+}
+
+/// Gains and zeros that a run draws from its seed are inputs of a prediction: its values are those of an exact scope, in the middle of their intervals, and a measured
+/// reading that is held against them has no gain of its own.
+#[test]
+fn gains_count_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = only(&[("striker.speed", "\"1 %\"")]);
+    let (_, exact) = adjustable(&folder, &text);
+    let drawn = folder.path().join("drawn.toml");
+    let own = format!("base = {exact:?}\n[effects.scope_errors]\n");
+    std::fs::write(&drawn, own).expect("a scene");
+    let drawn = drawn.display().to_string();
+    let mut scene = Adjustable::load(&drawn).expect("a scene");
+    let options = SampleOptions { samples: 200, seed: 1 };
+    let found = uncertain_prediction(&mut scene, options, false, &|_| ()).expect("a prediction");
+    let of_scope = found.outputs.iter().filter(|output| output.unit == "V");
+    for output in of_scope {
+        let off = (output.value - output.middle()).abs();
+        // The data sheet's gain is 3 % at most: half of the interval is about that.
+        assert!(off < 0.1 * output.expanded && output.expanded > 0.02 * output.value, "{output:?}");
+    }
+    let run = |arguments: &[&str]| {
+        let mut command = Command::cargo_bin("hertzscope").expect("the program");
+        let done = command.current_dir(folder.path()).args(arguments).assert();
+        done.get_output().stdout.clone()
+    };
+    run(&["run", &exact, "-q", "-o", "measured.mcap"]);
+    run(&["convert", "measured.mcap", "measured", "-q"]);
+    let measured = |scene: &str| {
+        let asked = ["compare", "measured/ALL0000", scene, "--json", "-q", "--samples", "60"];
+        let found: serde_json::Value = serde_json::from_slice(&run(&asked)).expect("JSON");
+        let errors = found["normalised_errors"].as_array().expect("errors");
+        let peak = errors.iter().find(|e| e["quantity"] == "CH4 first peak").expect("a peak");
+        peak["measured"]["u"].as_f64().expect("a number")
+            / peak["measured"]["value"].as_f64().expect("a number")
+    };
+    assert!((measured(&exact) - 0.03 / 3f64.sqrt()).abs() < 2e-3, "{}", measured(&exact));
+    assert!(measured(&drawn) < 0.01, "{}", measured(&drawn));
+}
+
 /// A speed or a first peak of a bench by the name of the output.
 fn value_of(name: &str, drawn: &Prediction) -> Option<f64> {
     if let Some(sensor) = name.strip_suffix(" first peak") {
