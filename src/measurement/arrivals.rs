@@ -271,20 +271,31 @@ struct PlacedPulse {
     pulse: Pulse,
 }
 
+/// The first pulse of `capture`, with the droop of `time_constant` (s) undone; or why it has neither height nor arrival.
+pub(super) fn first_pulse(capture: &Capture, time_constant: Option<f64>) -> Result<Pulse, String> {
+    let waveform = &capture.waveform;
+    let trace = capture.trace().ok_or("a record over frequency has no arrival")?;
+    let level = waveform.preamble.y_mult.abs();
+    let conditions = Conditions { level, time_constant, baseline: None };
+    let pulse = Pulse::find(&trace, conditions).map_err(|error| error.to_string())?;
+    // Behind the middle of the falling edge clipping is another pulse's.
+    let end = pulse.arrival(Estimator::Peak).zip(pulse.width());
+    let end = end.map_or(f64::INFINITY, |(peak, width)| peak.value + 0.5 * width.value);
+    if waveform.clipped_points().next().is_some_and(|place| trace.time(place) <= end) {
+        return Err(format!(
+            "{} samples are clipped at the converter's ends, the first pulse with them: it has no height and no arrival; take more volts a division",
+            waveform.clipped()
+        ));
+    }
+    Ok(pulse)
+}
+
 fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArrivals, Option<Pulse>) {
     let unit = capture.waveform.preamble.y_unit.as_str();
     // A record in newtons, or in any other unit than volts, is no sensor's voltage.
     let sensor_of_volts = sensor.filter(|_| unit == "V");
-    let conditions = Conditions {
-        level: capture.waveform.preamble.y_mult.abs(),
-        time_constant: sensor_of_volts.and_then(|sensor| sensor.time_constant),
-        baseline: None,
-    };
-    let found = match capture.trace() {
-        Some(trace) => Pulse::find(&trace, conditions).map_err(|error| error.to_string()),
-        None => Err("a record over frequency has no arrival".to_owned()),
-    };
-    let (pulse, problem) = match found {
+    let time_constant = sensor_of_volts.and_then(|sensor| sensor.time_constant);
+    let (pulse, problem) = match first_pulse(capture, time_constant) {
         Ok(pulse) => (Some(pulse), None),
         Err(problem) => (None, Some(problem)),
     };
@@ -311,7 +322,7 @@ fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArriva
     let channel = ChannelArrivals {
         channel: capture.waveform.source.to_string(),
         sensor: sensor.map(|sensor| sensor.name.clone()),
-        droop_undone: conditions.time_constant.is_some() || unit != "V",
+        droop_undone: time_constant.is_some() || unit != "V",
         clipped: capture.waveform.clipped(),
         noise_v: pulse.as_ref().map(|pulse| pulse.noise).filter(|_| unit == "V"),
         height_v: height.filter(|_| unit == "V"),

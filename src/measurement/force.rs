@@ -36,6 +36,8 @@ pub struct Forces {
     pub noise_u: Vec<f64>,
     /// Samples at the converter's ends, where the true force is larger.
     pub clipped: usize,
+    /// Place of the first of them; from there on no uncertainty holds.
+    pub first_clipped: Option<usize>,
 }
 
 /// Why a channel has no forces.
@@ -154,6 +156,7 @@ pub fn forces(set: &TraceSet, shot: &Shot) -> Vec<Result<Forces, ForcesError>> {
 fn of_channel(capture: &Capture, sensors: &[RecordedSensor]) -> Result<Forces, ForcesError> {
     let channel = capture.waveform.source.to_string();
     let clipped = capture.waveform.clipped();
+    let first_clipped = capture.waveform.clipped_points().next();
     match capture.waveform.preamble.y_unit.as_str() {
         "V" | "dB" => {}
         "N" => return of_newtons(capture, channel),
@@ -185,7 +188,8 @@ fn of_channel(capture: &Capture, sensors: &[RecordedSensor]) -> Result<Forces, F
     let values = felt.values.iter().map(|v| v / sensitivity).collect();
     let name = format!("{channel}, sensor {}", sensor.name);
     let force = Trace { name, unit: "N".to_owned(), values, ..felt };
-    Ok(Forces { channel, sensor: sensor.clone(), force, u, expanded, noise_u, clipped })
+    let sensor = sensor.clone();
+    Ok(Forces { channel, sensor, force, u, expanded, noise_u, clipped, first_clipped })
 }
 
 /// A record that is in newtons already, as it stands; only its noise is known.
@@ -208,5 +212,7 @@ fn of_newtons(capture: &Capture, channel: String) -> Result<Forces, ForcesError>
         calibrated_host: None,
     };
     let clipped = capture.waveform.clipped();
-    Ok(Forces { channel, sensor, force, noise_u: u.clone(), u, expanded, clipped })
+    let first_clipped = capture.waveform.clipped_points().next();
+    let noise_u = u.clone();
+    Ok(Forces { channel, sensor, force, noise_u, u, expanded, clipped, first_clipped })
 }

@@ -46,11 +46,9 @@ pub fn arrivals(survey: &Survey) -> String {
         if let Some(problem) = &channel.problem {
             lines.push(format!("  note  {name}: {problem}"));
         }
-        if channel.clipped > 0 {
+        if channel.clipped > 0 && channel.problem.is_none() {
             let clipped = channel.clipped;
-            lines.push(format!(
-                "  note  {name}: {clipped} samples may be clipped, first peaks with them"
-            ));
+            lines.push(format!("  note  {name}: {clipped} samples may be clipped"));
         }
     }
     lines.extend(survey.notes.iter().map(|note| format!("  note  {note}")));

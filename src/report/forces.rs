@@ -46,6 +46,7 @@ pub fn forces(found: &[Forces], problems: &[String]) -> String {
             continue;
         };
         let sensor = &channel.sensor;
+        let is_clipped = channel.first_clipped.is_some_and(|first| index >= first);
         let or_none = |value: Option<f64>, unit| {
             value.map_or("-".to_owned(), |value| engineering(value, unit, 4))
         };
@@ -54,8 +55,8 @@ pub fn forces(found: &[Forces], problems: &[String]) -> String {
             sensor.name.clone(),
             or_none(sensor.sensitivity, "V/N"),
             or_none(sensor.time_constant, "s"),
-            engineering(*force, "N", 4),
-            engineering(*expanded, "N", 2),
+            format!("{}{}", if is_clipped { "> " } else { "" }, engineering(*force, "N", 4)),
+            if is_clipped { "clipped".to_owned() } else { engineering(*expanded, "N", 2) },
             engineering(channel.force.time(index), "s", 4),
             engineering(NORMAL_95 * noise, "N", 2),
         ]);

@@ -176,11 +176,16 @@ impl Waveform {
     /// How many points stand at the converter's ends, where the true voltage may lie beyond; none where the levels are
     /// not those of an 8-bit converter, 25 to a division.
     pub fn clipped(&self) -> usize {
+        self.clipped_points().count()
+    }
+
+    /// The places of these points, from the first.
+    pub fn clipped_points(&self) -> impl Iterator<Item = usize> + '_ {
         const ROUND_OFF: f64 = 1e-6;
         let level = self.vertical.scale / LEVELS_PER_DIVISION;
-        if (self.preamble.y_mult - level).abs() > ROUND_OFF * level.abs() {
-            return 0;
-        }
-        self.codes.iter().filter(|c| matches!(**c, LOWEST_CODE | HIGHEST_CODE)).count()
+        let has_levels = (self.preamble.y_mult - level).abs() <= ROUND_OFF * level.abs();
+        let at_an_end = |code: &i16| matches!(*code, LOWEST_CODE | HIGHEST_CODE);
+        let codes = self.codes.iter().enumerate();
+        codes.filter(move |(_, code)| has_levels && at_an_end(code)).map(|(place, _)| place)
     }
 }

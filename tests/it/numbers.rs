@@ -4,11 +4,12 @@ mod coverage;
 mod distances;
 mod fits;
 mod forward;
+mod meaning;
 mod plans;
 mod pulses;
 mod sensors;
 mod time_bases;
-mod uncertain;
+pub mod uncertain;
 
 use hertzscope::experiment::{Integration, facts, run};
 use hertzscope::measurement::arrivals::{Survey, survey};

@@ -258,6 +258,31 @@ fn forces_of_the_figures_meet_the_goldens() {
     }
 }
 
+/// Shares of squared amplitudes between 7.12 and 14.17 kHz up to 20 kHz: 0.20 before the wall's echo, which would make it 0.085; and the gap's line of the heaviest
+/// striker, which runs from 9.75 to 8.50 kHz with the record's length.
+#[test]
+fn spectra_of_the_impacts_end_before_the_echo() {
+    let spectrum = |number: u8| {
+        let inside =
+            |s: &&hertzscope::studies::paper::ForceSignal| s.place == ForceLocation::Inside(2);
+        &figure(number).signals.iter().find(inside).expect("a spectrum").spectrum
+    };
+    let power = |number: u8, low: f64, high: f64| -> f64 {
+        let spectrum = spectrum(number);
+        let bins = spectrum.amplitude.iter().enumerate();
+        let inside = bins.filter(|(bin, _)| (low..high).contains(&spectrum.frequency(*bin)));
+        inside.map(|(_, amplitude)| amplitude * amplitude).sum()
+    };
+    let share = power(9, 7120.0, 14170.0) / power(9, 0.0, 20e3);
+    assert!((share - 0.20).abs() < 5e-3, "{share}");
+    let (bin, _) = spectrum(10).highest_between(7.2e3, 14.1e3).expect("a line");
+    let line = spectrum(10).frequency(bin);
+    // One over the length of the record to either side.
+    assert!((line - 8.5e3).abs() < spectrum(10).step, "{line}");
+    // Half of peak to peak inside the top sphere is told beside the contact's own force.
+    assert!(finding("nonlinear_amplitude_ratio").reason.contains("top sphere: 1.67"));
+}
+
 #[test]
 fn pictures_show_what_they_say_and_their_data_are_theirs() {
     let pictures = report::paper_pictures(&STUDY);

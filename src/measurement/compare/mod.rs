@@ -58,7 +58,7 @@ pub struct Comparison {
     pub align: &'static str,
     /// How much later all simulated traces were put (s).
     pub shift_s: f64,
-    /// Standard uncertainty of the shift, where it is known (s).
+    /// Standard uncertainty of the shift as the time between both triggers, each known to a sample interval; none for least squares (s).
     pub shift_u_s: Option<f64>,
     /// One a measured channel that has a partner.
     pub channels: Vec<ChannelScore>,
@@ -173,12 +173,16 @@ fn shift(
     align: Align,
     notes: &mut Vec<String>,
 ) -> (Align, f64, Option<f64>) {
+    // Each trigger's level was crossed somewhere in the sample interval before the record's zero.
+    let triggers = channels.first().map_or(0.0, |channel| {
+        channel.measured.interval.hypot(channel.simulated.interval) / 3f64.sqrt()
+    });
     let found = match align {
-        Align::Trigger => Some((0.0, None)),
+        Align::Trigger => Some((0.0, Some(triggers))),
         Align::Arrival => channels.iter().find_map(|channel| {
             let (measured, simulated) = channel.arrivals(Estimator::HalfRise)?;
             notes.push(format!("aligned by the arrival at {}", channel.name));
-            let u = measured.u.hypot(simulated.u);
+            let u = measured.u.hypot(simulated.u).hypot(triggers);
             Some((measured.value - simulated.value, Some(u)))
         }),
         Align::LeastSquares => {
@@ -193,5 +197,5 @@ fn shift(
         "no alignment by {}: the triggers are taken for the same time",
         align.name()
     ));
-    (Align::Trigger, 0.0, None)
+    (Align::Trigger, 0.0, Some(triggers))
 }

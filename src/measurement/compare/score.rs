@@ -16,7 +16,7 @@ pub struct ChannelScore {
     pub mapped_by: &'static str,
     /// How much later the simulated trace was put (s).
     pub shift_s: f64,
-    /// Measured over simulated, by least squares, its uncertainty from the residuals; not taken out.
+    /// Measured over simulated, noise on both sides, its uncertainty from the residuals; not taken out.
     pub gain: Uncertain,
     /// Relative standard uncertainty of the measuring channel's gain, from its data sheet; 0 for an exact scope (1).
     pub gain_u: f64,

@@ -5,12 +5,11 @@ use super::{ChannelScore, ComparedShot, SpeedScore, scene_of};
 use crate::analysis::arrival::Estimator;
 use crate::analysis::comparison::Pair;
 use crate::analysis::least_squares::squares;
-use crate::analysis::pulse::{Conditions, Pulse};
+use crate::analysis::pulse::Pulse;
 use crate::analysis::speed::speed;
-use crate::measurement::arrivals::{neighbours, sort_down};
+use crate::measurement::arrivals::{first_pulse, neighbours, sort_down};
 use crate::measurement::metadata::{self, RecordedSensor};
 use crate::quantity::Uncertain;
-use crate::recording::Capture;
 use crate::scene::{PlatePlace, Scene};
 use crate::trace::Trace;
 
@@ -34,12 +33,6 @@ pub struct ChannelPair {
     pulses: Option<(Pulse, Pulse)>,
     sensitivities: Option<(f64, f64)>,
     place: Option<PlatePlace>,
-}
-
-fn first_pulse(trace: &Trace, capture: &Capture, tau: Option<f64>) -> Result<Pulse, String> {
-    let level = capture.waveform.preamble.y_mult.abs();
-    let conditions = Conditions { level, time_constant: tau, baseline: None };
-    Pulse::find(trace, conditions).map_err(|error| error.to_string())
 }
 
 impl ChannelPair {
@@ -74,8 +67,8 @@ impl ChannelPair {
         let (tau, tau_there) = or_other(|sensor| sensor.time_constant);
         let (sensitivity, sensitivity_there) = or_other(|sensor| sensor.sensitivity);
         let borrowed = own.and_then(|sensor| sensor.sensitivity).is_none() && sensitivity.is_some();
-        let found = first_pulse(&measured_trace, here, tau)
-            .and_then(|pulse| Ok((pulse, first_pulse(&simulated_trace, there, tau_there)?)));
+        let found =
+            first_pulse(here, tau).and_then(|pulse| Ok((pulse, first_pulse(there, tau_there)?)));
         let gain_u = if metadata::is_scope_exact(measured.set) {
             0.0
         } else {
@@ -139,10 +132,12 @@ impl ChannelPair {
 
     /// The scores, with both traces in `pair`.
     pub fn score(&self, pair: &Pair, wire: &ChannelMapping, shift_s: f64) -> ChannelScore {
-        let distance = pair.distance();
-        let in_newtons = self.forces(shift_s).map(|pair| pair.distance());
+        let noise = |pulses: &(Pulse, Pulse)| pulses.0.noise / pulses.1.noise;
+        let ratio = self.pulses.as_ref().map_or(1.0, noise).powi(2);
+        let distance = pair.distance(ratio);
+        let in_newtons = self.forces(shift_s).map(|pair| pair.distance(1.0));
         let heights = self.pulses.as_ref().and_then(|(m, s)| Some((m.height()?, s.height()?)));
-        let ratio = heights.map(|(m, s)| {
+        let peak_error = heights.map(|(m, s)| {
             let sign = self.pulses.as_ref().is_some_and(|(m, s)| m.inverted != s.inverted);
             let value = if sign { -m.value / s.value } else { m.value / s.value };
             let u = (m.u / m.value).hypot(s.u / s.value);
@@ -164,7 +159,7 @@ impl ChannelPair {
             offset_v: distance.offset,
             peak_measured_v: heights.map(|(m, _)| m),
             peak_simulated_v: heights.map(|(_, s)| s),
-            peak_error: ratio,
+            peak_error,
             arrival_measured_s: arrivals.map(|(m, _)| m),
             arrival_simulated_s: arrivals.map(|(_, s)| s),
             arrival_error_s: arrival,

@@ -1,10 +1,13 @@
-//! The first pulse is none that chance makes of many samples.
+//! The first pulse is none that chance makes of many samples, and none that the converter has cut off.
 
+use assert_cmd::Command;
 use hertzscope::analysis::arrival::Estimator;
 use hertzscope::analysis::pulse::{Conditions, Pulse};
 use hertzscope::trace::Trace;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
+
+use super::{recorded, scene, surveyed};
 
 /// A pulse of 0.85 V in noise of 0.08 V, 480 records: a quarter of its height is 2.7 standard deviations of noise, which some of 900 samples before it
 /// pass; none is a first pulse.
@@ -36,4 +39,54 @@ fn noise_is_no_first_pulse() {
         let Some(arrival) = pulse.arrival(Estimator::HalfRise) else { continue };
         assert!((arrival.value - 30e-6).abs() < 40e-6, "seed {seed}: {arrival:?}");
     }
+}
+
+/// A channel at 200 mV/div, whose first pulse is half as high again as its range: before, 2.7786 ± 0.0060 N of 3.19 N, an arrival 1.4 times too early, speeds of
+/// 169.5 ± 0.3 m/s of 166.6 m/s, and normalised errors of 0. Clipping of later pulses leaves the first.
+#[test]
+fn a_clipped_first_pulse_has_neither_height_nor_arrival() {
+    let set = recorded(&scene("magnet-0.61g", "[scope.ch2]\nscale = \"200 mV/div\"\n"), 1e-5);
+    let found = surveyed(&set);
+    let channel = &found.channels[1];
+    assert!(channel.clipped > 0 && channel.height_n.is_none() && channel.height_v.is_none());
+    assert!(channel.arrivals.iter().all(|arrival| arrival.time_s.is_none()), "{channel:?}");
+    assert!(channel.problem.as_ref().is_some_and(|problem| problem.contains("clipped")));
+    let ends: Vec<(&str, &str)> =
+        found.speeds.iter().map(|speed| (speed.from.as_str(), speed.to.as_str())).collect();
+    assert!(
+        !ends.is_empty()
+            && ends.iter().all(|ends| *ends == ("CH1", "CH3") || *ends == ("CH3", "CH4")),
+        "{ends:?}"
+    );
+    // The wall's first pulse is its highest; particle 27's echo is higher than its first pulse, and alone leaves this range.
+    let later = recorded(
+        &scene("magnet-0.61g", "[scope.ch3]\nscale = \"200 mV/div\"\nposition = \"0 div\"\n"),
+        1e-5,
+    );
+    let channel = &surveyed(&later).channels[2];
+    println!("{} clipped, {:?}", channel.clipped, channel.height_n);
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    let scene = "base = \"magnet-0.61g\"\n[scope.ch2]\nscale = \"200 mV/div\"\n";
+    std::fs::write(at.join("clip.toml"), scene).expect("a scene");
+    let run = |arguments: &[&str]| {
+        let mut command = Command::cargo_bin("hertzscope").expect("the program");
+        let printed = command.current_dir(at).args(arguments).assert().success();
+        String::from_utf8_lossy(&printed.get_output().stdout).into_owned()
+    };
+    run(&["run", "clip.toml", "-q", "-o", "clip.mcap"]);
+    let page = run(&["force", "clip.mcap"]);
+    let line = page.lines().find(|line| line.contains("CH2  p14")).expect("a line");
+    assert!(line.contains("> 2.7") && line.contains("clipped"), "{page}");
+    let compare = ["compare", "clip.mcap", "clip.toml", "-q", "--samples", "60", "--json"];
+    let found: serde_json::Value = serde_json::from_str(&run(&compare)).expect("JSON");
+    let errors = found["normalised_errors"].as_array().expect("errors");
+    let of = |channel: &str| {
+        errors.iter().any(|e| e["quantity"].as_str().is_some_and(|name| name.contains(channel)))
+    };
+    assert!(of("CH1") && !of("CH2"), "{errors:?}");
+    assert!(
+        found["channels"][1]["peak_error"].is_null()
+            && found["notes"].to_string().contains("take more volts")
+    );
 }

@@ -112,6 +112,21 @@ fn the_cursor_pair_on_two_sensors_tells_a_speed() {
     assert!((speed / expected - 1.0).abs() < 0.05, "{speed} m/s, the forces say {expected} m/s");
 }
 
+/// 0.4 of a sphere of 4.76 mm below one centre and 0.4 of a cylinder of 3.12 mm above the other leave 47.971 of 51.123 mm.
+#[test]
+fn the_speed_of_cursors_uses_the_plates_offsets() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("offsets.toml");
+    let text = "base = \"magnet-0.61g\"\nsensors.p14.offset = 0.4\nsensors.p27.offset = -0.4\n";
+    std::fs::write(&file, text).expect("a scene");
+    let mut session = Session::bench(&file.display().to_string());
+    session.act(&[Action::Channel(2), Action::Cursors, Action::OtherCursor, Action::Channel(3)]);
+    session.act(&[Action::MoveCursor(TurnDirection::Up); 40]);
+    let reading = session.model.cursor_reading().expect("cursors");
+    let distance = reading.speed.expect("a speed") * reading.difference.abs();
+    assert!((distance - 47.971e-3).abs() < 1e-6, "{distance}");
+}
+
 #[test]
 fn the_spectrum_has_the_band_edges_of_the_scene() {
     let mut session = Session::bench("magnet-0.61g");
