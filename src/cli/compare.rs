@@ -22,7 +22,7 @@ use crate::recording::{TraceSet, mcap};
 use crate::report;
 use crate::report::document::{Part, html, markdown};
 use crate::scene::Scene;
-use crate::studies::uncertainty::{NormalisedError, normalised_errors};
+use crate::studies::uncertainty::{NormalisedError, judge, normalised_errors};
 
 /// Compare a measurement with a simulation: scores for each channel; exit code 1 where they exceed the tolerance
 #[derive(Debug, Args)]
@@ -146,16 +146,10 @@ fn errors(
         return Ok(Vec::new());
     }
     let predicted = arguments.draws.predict(&arguments.simulated, true, arguments.quiet)?;
-    let errors = normalised_errors(compared, &predicted);
-    let comparison = &mut compared.comparison;
-    if arguments.tolerance.is_none() && !errors.is_empty() {
-        let beyond = errors.iter().filter(|error| !error.agrees());
-        let failures = beyond.map(|error| format!("{}: E_n {:.2}", error.quantity, error.e_n));
-        comparison.failures = failures.collect();
-        comparison.tolerance = vec!["E_n of peaks, delays, speeds and traces up to 1".to_owned()];
-        comparison.verdict = if comparison.failures.is_empty() { "pass" } else { "fail" };
-    }
-    Ok(errors)
+    Ok(match arguments.tolerance {
+        Some(_) => normalised_errors(compared, &predicted),
+        None => judge(compared, &predicted),
+    })
 }
 
 /// The simulated side.

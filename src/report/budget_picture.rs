@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use super::escape;
-use super::number::with_expanded;
 use super::sheet::COLOURS;
+use super::uncertainty::interval;
 use crate::studies::uncertainty::{OutputInterval, UncertainPrediction};
 
 /// Width of a whole bar, and of the words behind it (pixels).
@@ -76,7 +76,7 @@ pub fn budget_picture(found: &UncertainPrediction) -> String {
             escape(&output.name),
             LEFT + WIDTHS.0 + 10.0,
             y + bar - 2.0,
-            escape(&with_expanded(output.value, output.expanded, output.unit))
+            escape(&interval(output))
         );
     }
     svg.push_str("</svg>\n");
@@ -86,7 +86,8 @@ pub fn budget_picture(found: &UncertainPrediction) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::studies::uncertainty::{InputShare, RandomInput};
+    use crate::scene::random_inputs::RandomInput;
+    use crate::studies::uncertainty::InputShare;
 
     /// Half, a quarter, and a quarter that is not linear: a whole bar.
     #[test]

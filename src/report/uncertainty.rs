@@ -22,7 +22,11 @@ pub fn prediction_intervals(found: &UncertainPrediction) -> String {
     let shown = |value: f64, unit: &str| engineering(value, unit, 5);
     rows.extend(found.outputs.iter().map(|output| {
         let [low, high] = output.interval_95;
-        let value = with_expanded(output.value, output.expanded, output.unit);
+        let value = if output.is_one_sided() {
+            shown(output.value, output.unit)
+        } else {
+            with_expanded(output.value, output.expanded, output.unit)
+        };
         vec![output.name.clone(), value, shown(low, output.unit), shown(high, output.unit)]
     }));
     lines.extend(table::lines(&rows, &[0]));
@@ -107,10 +111,20 @@ fn budget_lines(output: &OutputInterval) -> Vec<String> {
     if left >= LISTED_SHARE {
         parts.push(part("not linear", left));
     }
-    let value = with_expanded(output.value, output.expanded, output.unit);
-    let mut lines = vec![format!("  {}  {value}", output.name)];
+    let mut lines = vec![format!("  {}  {}", output.name, interval(output))];
     lines.extend(hanging_indent("      ", &parts.join(", ")));
     lines
+}
+
+/// The value with its `±`, or where its interval lies beside it, with the interval's ends.
+pub(super) fn interval(output: &OutputInterval) -> String {
+    let shown = |value: f64| engineering(value, output.unit, 5);
+    let [low, high] = output.interval_95;
+    if output.is_one_sided() {
+        format!("{}, {} to {}", shown(output.value), shown(low), shown(high))
+    } else {
+        with_expanded(output.value, output.expanded, output.unit)
+    }
 }
 
 /// All channels with their bands, as a picture.
@@ -148,6 +162,7 @@ fn voltage(channel: &str, points: Vec<(f64, f64)>) -> Curve {
 pub fn normalised_error_lines(errors: &[NormalisedError]) -> Vec<String> {
     let mut lines = vec![
         "normalised errors E_n, the difference over the combined U95: up to 1 agrees".to_owned(),
+        "  (simulated: the middle of the interval that the scene's uncertainty leaves)".to_owned(),
     ];
     let mut rows = vec![["", "measured", "simulated", "E_n"].map(str::to_owned).to_vec()];
     let shown = |number: Option<Uncertain>, unit: &str| {

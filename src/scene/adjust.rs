@@ -19,7 +19,7 @@ use crate::quantity::{Dimension, parse_any};
 use crate::sensor::Load;
 
 /// A scene's tree, from which scenes with other numbers are made.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Adjustable {
     pub(super) loaded: LoadedScene,
     base: String,

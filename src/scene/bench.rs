@@ -19,7 +19,7 @@ const CHANNELS: [&str; 4] = ["ch1", "ch2", "ch3", "ch4"];
 
 /// A front panel that was read before. Of the scenes of a sweep few have one of their own, and reading it takes longer than anything else
 /// about them.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct CachedPanel {
     /// The table that it was read from.
     entries: Rc<Entries>,

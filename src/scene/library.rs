@@ -35,7 +35,7 @@ enum Origin {
 }
 
 /// A scene's tree with everything it stands on, and the text as typed.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct LoadedScene {
     /// Short name: the embedded name or the file's stem.
     pub name: String,

@@ -21,6 +21,7 @@ mod oscilloscope;
 pub mod plan;
 pub mod plates;
 pub mod problem;
+pub mod random_inputs;
 pub mod reader;
 pub mod resolved;
 mod sensors;

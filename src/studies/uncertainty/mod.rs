@@ -3,19 +3,18 @@
 //! `RandomInputs` are drawn by Latin hypercube: of `N` samples one lies in each `N`-th of every input's distribution, in random order. Each sample is a whole
 //! bench, chain, sensors and scope, without noise and rounding. Intervals are 2.5 and 97.5 % quantiles: of 40,000 values of the regression on the
 //! inputs' standard scores with its curvature and residuals, where it explains 95 % of the variance, so that few runs are enough; else of the samples. Bands are the samples'
-//! own. Shares come from the same linear regression, `share = (b_i)^2/var(y)`; what the regression leaves is not linear, or interaction.
+//! own. Shares come from the same linear regression, `share = R^2 (b_i)^2/sum of (b_j)^2`, with the share `R^2` of the variance that the
+//! regression explains; what it leaves is not linear, or interaction.
 //! Besides `[uncertainty]`, sensors' own `sensitivity_u` and `tau_u` are inputs, and with `[effects.scope_errors]` each channel's gain and zero.
 //! Sources: M. D. `McKay`, R. J. Beckman, W. J. Conover, Technometrics 21, 239 (1979); A. Saltelli et al., "Global Sensitivity Analysis" (2008),
 //! section 1.2.5 (standardised regression coefficients); JCGM 101:2008. Valid where outputs are nearly linear over the inputs' spread: the share
 //! that is left tells.
 
-mod inputs;
 mod normalised;
 mod outputs;
 mod regression;
 
-pub use inputs::{RandomInput, UncertaintyError};
-pub use normalised::{InputMove, NormalisedError, normalised_errors};
+pub use normalised::{InputMove, NormalisedError, judge, normalised_errors};
 pub use outputs::{OutputInterval, TraceBand};
 pub use regression::InputShare;
 
@@ -25,11 +24,51 @@ use rand_distr::{Distribution, StandardUniform};
 use rand_pcg::Pcg64;
 use serde::Serialize;
 
+use crate::experiment::RunError;
 use crate::experiment::parallel::{in_parallel, processors};
 use crate::experiment::prediction::{Prediction, predict};
 use crate::scene::Scene;
+use crate::scene::SceneError;
 use crate::scene::adjust::Adjustable;
-use inputs::RandomInputs;
+use crate::scene::random_inputs::{RandomInput, RandomInputs, RandomInputsError};
+
+/// Why a scene's uncertainty cannot be propagated.
+#[derive(Debug, thiserror::Error)]
+pub enum UncertaintyError {
+    /// Nothing is uncertain.
+    #[error(
+        "found nothing uncertain in {scene}: give the scene a table [uncertainty], e.g. striker.speed = \"1 %\""
+    )]
+    Nothing {
+        /// The scene.
+        scene: String,
+    },
+    /// What it states is wrong.
+    #[error(transparent)]
+    Inputs(#[from] RandomInputsError),
+    /// Too few samples gave a result.
+    #[error("too few samples gave a result: more samples, or smaller uncertainties")]
+    NoSamples,
+    /// So many samples gave no result that those left are not drawn from what the scene states.
+    #[error(
+        "{failed} of {samples} samples gave no result: smaller uncertainties, or limits that the value cannot leave{}",
+        reason.as_ref().map_or(String::new(), |reason| format!("; the first: {reason}"))
+    )]
+    Failed {
+        /// Samples without one.
+        failed: usize,
+        /// All of them.
+        samples: usize,
+        /// Why the first has none.
+        reason: Option<String>,
+    },
+    /// The scene cannot run.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// The scene is wrong.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+}
 
 /// Samples that give no result may be this share of all (1).
 const MAX_FAILED_SHARE: f64 = 0.02;
@@ -93,15 +132,19 @@ impl DrawnBenches {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Self, UncertaintyError> {
         let inputs = RandomInputs::of(adjustable)?;
+        if inputs.count() == 0 {
+            return Err(UncertaintyError::Nothing { scene: adjustable.name().to_owned() });
+        }
         let mut scenes = vec![adjustable.scene()?];
         let mut scores: Vec<Vec<f64>> = Vec::new();
         let mut reason = None;
         for sample in hypercube(inputs.count(), options) {
+            let sample = inputs.scores(&sample);
             // A sample beyond what a key allows, such as a negative mass, is none.
-            match inputs.scene(adjustable, &sample) {
+            match inputs.scene(adjustable, &[], &sample) {
                 Ok(scene) => {
                     scenes.push(scene);
-                    scores.push(inputs.scores(&sample));
+                    scores.push(sample);
                 }
                 Err(error) => reason = reason.or_else(|| Some(error.to_string())),
             }
@@ -160,7 +203,7 @@ pub fn uncertain_prediction(
     let many = SampleOptions { samples: LINEAR_SAMPLES, seed: options.seed.wrapping_add(1) };
     let many: Vec<Vec<f64>> =
         hypercube(inputs.count(), many).iter().map(|sample| inputs.scores(sample)).collect();
-    let outputs = outputs::intervals(&drawn.nominal, &drawn.pairs(), (&inputs.names(), &many));
+    let outputs = outputs::intervals(&drawn.nominal, &drawn.pairs(), (inputs.list(), &many));
     Ok(UncertainPrediction {
         scene: adjustable.name().to_owned(),
         samples: options.samples,
@@ -168,7 +211,7 @@ pub fn uncertain_prediction(
         failed: options.samples - drawn.samples.len(),
         outputs,
         bands: if bands { drawn.bands() } else { Vec::new() },
-        inputs: drawn.inputs.into_list(),
+        inputs: inputs.list().to_vec(),
         wall_s: began.elapsed().as_secs_f64(),
     })
 }

@@ -1,6 +1,6 @@
 //! A comparison by what both sides know: the normalised error of each quantity, and which inputs would have to move.
 //!
-//! `E_n = |m - s|/sqrt(U_m^2 + U_s^2)`, expanded uncertainties for 95 %: up to 1 both agree. Peaks, delays between sensors (half-rise), and speeds have one
+//! `E_n = |m - s|/sqrt(U_m^2 + U_s^2)`, expanded uncertainties for 95 %: up to 1 both agree; `s` is the middle of the prediction's interval. Peaks, delays between sensors (half-rise), and speeds have one
 //! each; a trace's is the root mean square over its samples, zeros taken out, with the noise of both scopes, the gain and the prediction's band. The inputs'
 //! moves are the least, in their own standard
 //! uncertainties, that take the prediction to the measurement: `d_i = (m - s) b_i / sum of b_j^2`, `b` the changes with one uncertainty each.
@@ -36,7 +36,7 @@ pub struct NormalisedError {
     pub unit: &'static str,
     /// The measured value; none for a trace.
     pub measured: Option<Uncertain>,
-    /// The simulated value, with the scene's uncertainty and the simulated scope's noise; none for a trace.
+    /// The middle of the simulated value's interval, with the scene's uncertainty and the simulated scope's noise; none for a trace.
     pub simulated: Option<Uncertain>,
     /// `|m - s|/sqrt(U_m^2 + U_s^2)` (1).
     #[serde(rename = "E_n")]
@@ -63,7 +63,7 @@ pub fn normalised_errors(
     for score in &comparison.channels {
         let pair = score.peak_measured_v.zip(score.peak_simulated_v);
         if let (Some((measured, simulated)), Some(output)) =
-            (pair, output(format!("{} first peak", score.against)))
+            (pair, output(format!("{} first peak, droop undone", score.against)))
         {
             let u = measured.u.hypot(score.gain_u * measured.value);
             let half_width = 3f64.sqrt() * score.gain_u * measured.value.abs();
@@ -97,6 +97,20 @@ pub fn normalised_errors(
         let band = predicted.bands.iter().find(|band| band.channel == score.against)?;
         trace_error(score, pair, (*quiet)?, band)
     }));
+    errors
+}
+
+/// The same, and by them the verdict of `compared`, where there are any.
+pub fn judge(compared: &mut Compared, predicted: &UncertainPrediction) -> Vec<NormalisedError> {
+    let errors = normalised_errors(compared, predicted);
+    let comparison = &mut compared.comparison;
+    if !errors.is_empty() {
+        let beyond = errors.iter().filter(|error| !error.agrees());
+        let failures = beyond.map(|error| format!("{}: E_n {:.2}", error.quantity, error.e_n));
+        comparison.failures = failures.collect();
+        comparison.tolerance = vec!["E_n of peaks, delays, speeds and traces up to 1".to_owned()];
+        comparison.verdict = if comparison.failures.is_empty() { "pass" } else { "fail" };
+    }
     errors
 }
 
@@ -143,8 +157,9 @@ fn error(
     output: &OutputInterval,
 ) -> NormalisedError {
     // The scene's part is relative to its own value: the simulated one has noise on it.
-    let model = output.u / output.value * simulated.value;
-    let simulated = Uncertain { u: simulated.u.hypot(model), ..simulated };
+    let scale = simulated.value / output.value;
+    let u = simulated.u.hypot(output.u * scale);
+    let simulated = Uncertain { value: output.middle() * scale, u, ..simulated };
     let difference = measured.value - simulated.value;
     let e_n = difference.abs() / measured.expanded().hypot(simulated.expanded());
     let squares: f64 = output.inputs.iter().map(|input| input.change * input.change).sum();

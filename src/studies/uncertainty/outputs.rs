@@ -8,6 +8,7 @@ use crate::experiment::prediction::Prediction;
 use crate::numeric::statistics::quantile;
 use crate::quantity::Uncertain;
 use crate::scene::Scene;
+use crate::scene::random_inputs::RandomInput;
 use crate::trace::Trace;
 
 /// An output with its interval.
@@ -58,7 +59,7 @@ const LINEAR_SHARE: f64 = 0.95;
 pub(super) fn intervals(
     nominal: &Prediction,
     samples: &[(&[f64], &Prediction)],
-    (names, many): (&[String], &[Vec<f64>]),
+    (inputs, many): (&[RandomInput], &[Vec<f64>]),
 ) -> Vec<OutputInterval> {
     let all = listed(nominal);
     let found: Vec<Vec<(String, &str, f64)>> =
@@ -70,7 +71,7 @@ pub(super) fn intervals(
         let pairs = samples.iter().zip(&found);
         let pairs: Vec<(&[f64], f64)> =
             pairs.filter_map(|((scores, _), outputs)| Some((*scores, of(outputs)?))).collect();
-        let found = regression(&pairs, names)?;
+        let found = regression(&pairs, inputs)?;
         let mut values = if found.explained >= LINEAR_SHARE {
             many_values(&found, &pairs, many)
         } else {
@@ -131,6 +132,18 @@ impl TraceBand {
 }
 
 impl OutputInterval {
+    /// The middle of the interval (unit).
+    pub fn middle(&self) -> f64 {
+        0.5 * (self.interval_95[0] + self.interval_95[1])
+    }
+
+    /// Whether an end of the interval is off by more than a tenth of its half-width from where a `±` around the value would have it.
+    pub fn is_one_sided(&self) -> bool {
+        /// A tenth (1).
+        const SHOWN_SHARE: f64 = 0.1;
+        (self.middle() - self.value).abs() > SHOWN_SHARE * self.expanded
+    }
+
     /// The same as a number with its standard uncertainty.
     pub fn uncertain(&self) -> Uncertain {
         Uncertain::normal(self.value, self.u)
@@ -151,7 +164,8 @@ fn listed(prediction: &Prediction) -> Vec<(String, &'static str, f64)> {
         add(format!("{name} peak time"), "s", first_peak.map(|peak| peak.time_s));
     }
     for (channel, volts) in &prediction.heights {
-        add(format!("{channel} first peak"), "V", Some(*volts));
+        // What `arrivals` and `compare` call so; the trace, and its band, show the droop.
+        add(format!("{channel} first peak, droop undone"), "V", Some(*volts));
     }
     let time = |sensor: &str| prediction.readings.iter().find(|r| r.name == sensor)?.half_rise_s;
     for speed in prediction.speeds.iter().filter(|speed| speed.estimator == "half_rise") {

@@ -12,7 +12,9 @@ use crate::recording::format::{Format, open};
 use crate::recording::{Origin, Shot, TraceSet};
 use crate::scene::Scene;
 use crate::scene::adjust::Adjustable;
-use crate::studies::uncertainty::{SampleOptions, TraceBand, trace_bands};
+use crate::studies::uncertainty::{
+    SampleOptions, UncertainPrediction, judge, uncertain_prediction,
+};
 use crate::studies::{cost, effects, hard_cases};
 use crate::tui::model::background_jobs::JobAnswer;
 use crate::tui::model::{JobState, ScreenState};
@@ -56,8 +58,10 @@ impl ComparisonRequest {
 struct Other {
     name: String,
     set: TraceSet,
-    /// Whether it is a scene that states its uncertainty, whose bands are not computed yet.
-    needs_bands: bool,
+    /// Whether it is a scene that states its uncertainty.
+    is_uncertain: bool,
+    /// What that scene predicts with its uncertainty, once it is computed.
+    predicted: Option<UncertainPrediction>,
 }
 
 impl Other {
@@ -65,7 +69,8 @@ impl Other {
         let path = Path::new(name);
         if Format::of(path).is_some() {
             let set = open(path).map_err(|error| with_reasons(&error))?;
-            return Ok(Self { name: name.to_owned(), set, needs_bands: false });
+            let name = name.to_owned();
+            return Ok(Self { name, set, is_uncertain: false, predicted: None });
         }
         let scene = Scene::load(name).map_err(|error| with_reasons(&error))?;
         let accuracy = of_scene(&scene).map_err(|error| with_reasons(&error))?.value;
@@ -75,7 +80,8 @@ impl Other {
         let attachments = vec![facts::scene_attachment(&scene)];
         let set =
             TraceSet { shots: vec![outcome.shot], metadata, attachments, ..TraceSet::default() };
-        Ok(Self { name: name.to_owned(), set, needs_bands: !scene.uncertainty.is_empty() })
+        let is_uncertain = !scene.uncertainty.is_empty();
+        Ok(Self { name: name.to_owned(), set, is_uncertain, predicted: None })
     }
 }
 
@@ -95,25 +101,36 @@ pub fn comparer()
             }
             compared(&asked, other.as_ref().ok_or("there is nothing to compare with")?)
         });
-        let job =
-            answer.map_or_else(JobState::Failed, |compared| JobState::Done(Box::new(compared)));
         // The screen may be closed already.
-        let _ = news.send(ScreenEvent::Answer(JobAnswer::Comparison(job)));
-        if let Some(other) = other.as_mut().filter(|other| other.needs_bands) {
-            other.needs_bands = false;
-            let event = match guarded(|| bands(&other.name)) {
-                Ok(bands) => ScreenEvent::Answer(JobAnswer::Bands(bands)),
-                Err(words) => ScreenEvent::Told(format!("no bands of {}: {words}", other.name)),
-            };
-            let _ = news.send(event);
+        let tell = |answer: Result<Compared, String>| {
+            let job =
+                answer.map_or_else(JobState::Failed, |compared| JobState::Done(Box::new(compared)));
+            let _ = news.send(ScreenEvent::Answer(JobAnswer::Comparison(job)));
+        };
+        tell(answer);
+        let is_open = |other: &&mut Other| other.is_uncertain && other.predicted.is_none();
+        let Some(other) = other.as_mut().filter(is_open) else { return };
+        match guarded(|| predicted(&other.name)) {
+            Ok(predicted) => {
+                let bands = predicted.bands.clone();
+                let _ = news.send(ScreenEvent::Answer(JobAnswer::Bands(bands)));
+                other.predicted = Some(predicted);
+                tell(guarded(|| compared(&asked, other)));
+            }
+            Err(words) => {
+                other.is_uncertain = false;
+                let words = format!("no bands of {}: {words}", other.name);
+                let _ = news.send(ScreenEvent::Told(words));
+            }
         }
     }
 }
 
-/// Where a scene's uncertainty puts its traces, as `run --bands` computes it.
-fn bands(scene: &str) -> Result<Vec<TraceBand>, String> {
+/// What a scene predicts with its uncertainty, as `compare` computes it.
+fn predicted(scene: &str) -> Result<UncertainPrediction, String> {
     let mut scene = Adjustable::load(scene).map_err(|error| with_reasons(&error))?;
-    trace_bands(&mut scene, SampleOptions::default()).map_err(|error| with_reasons(&error))
+    uncertain_prediction(&mut scene, SampleOptions::default(), true, &|_| ())
+        .map_err(|error| with_reasons(&error))
 }
 
 /// The measurement is the one that was measured; of two of a kind, the one on screen, unless that is a bench.
@@ -131,7 +148,13 @@ fn compared(asked: &ComparisonRequest, other: &Other) -> Result<Compared, String
         (here_side, there_side)
     };
     let tolerance = ScoreLimits::parse(SCORE_LIMITS)?;
-    compare(measured, simulated, (Align::default(), &[]), &tolerance).map_err(|e| with_reasons(&e))
+    let is_predicted = simulated.name == other.name;
+    let mut compared = compare(measured, simulated, (Align::default(), &[]), &tolerance)
+        .map_err(|error| with_reasons(&error))?;
+    if let Some(predicted) = other.predicted.as_ref().filter(|_| is_predicted) {
+        judge(&mut compared, predicted);
+    }
+    Ok(compared)
 }
 
 /// A question that is answered by many runs.

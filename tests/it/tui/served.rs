@@ -280,9 +280,14 @@ fn what_is_shown_is_compared_with_a_scene_and_recorded() {
     session.wait_for(|model| model.questions().comparison.done().is_some());
     // The scene states its uncertainty.
     session.wait_for(|model| model.questions().bands.len() == 4);
+    // Then the verdict goes by it, as in `compare`.
+    session.wait_for(|model| {
+        let found = model.questions().comparison.done();
+        found.is_some_and(|found| found.comparison.tolerance[0].contains("E_n"))
+    });
     let comparison = session.model.questions().comparison.done().expect("one").comparison.clone();
     assert_eq!((comparison.measured, comparison.channels.len()), (address, 4));
-    assert_eq!(comparison.simulated, "magnet-0.61g");
+    assert_eq!((comparison.simulated.as_str(), comparison.verdict), ("magnet-0.61g", "pass"));
     draw(&session.model, 80, 24)
         .find("CH1 measured in colour, CH1 simulated in white, its 95 % band in grey");
     // The recording is complete when the screen is closed.

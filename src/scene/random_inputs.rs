@@ -1,25 +1,18 @@
-//! The inputs of an uncertain scene: what varies, by how much, and the scene with drawn values.
+//! The inputs of an uncertain scene: what varies, by how much, and the scene with other values of them.
+//!
+//! Each input is one number, or the numbers of a group, and has a score: how far it is from the middle of its distribution, in its standard uncertainties.
 
 use serde::Serialize;
 
-use crate::experiment::RunError;
+use super::adjust::{AdjustError, Adjustable, AdjustableNumber};
+use super::{InputDistribution, Scene, SceneError, SpreadAmount, UncertainInput};
 use crate::quantity::coverage::normal_quantile;
 use crate::quantity::{Dimension, parse_any};
-use crate::scene::adjust::{AdjustError, Adjustable, AdjustableNumber};
-use crate::scene::{InputDistribution, Scene, SceneError, SpreadAmount, UncertainInput};
 use crate::scope::Deviation;
 
-/// Why a scene's uncertainty cannot be propagated.
+/// What is wrong with a scene's `[uncertainty]`.
 #[derive(Debug, thiserror::Error)]
-pub enum UncertaintyError {
-    /// Nothing is uncertain.
-    #[error(
-        "found nothing uncertain in {scene}: give the scene a table [uncertainty], e.g. striker.speed = \"1 %\""
-    )]
-    Nothing {
-        /// The scene.
-        scene: String,
-    },
+pub enum RandomInputsError {
     /// A path that names nothing.
     #[error("{typed}: uncertainty.{path}: {error}")]
     Path {
@@ -44,25 +37,6 @@ pub enum UncertaintyError {
         /// The value's unit.
         expected: String,
     },
-    /// Too few samples gave a result.
-    #[error("too few samples gave a result: more samples, or smaller uncertainties")]
-    NoSamples,
-    /// So many samples gave no result that those left are not drawn from what the scene states.
-    #[error(
-        "{failed} of {samples} samples gave no result: smaller uncertainties, or limits that the value cannot leave{}",
-        reason.as_ref().map_or(String::new(), |reason| format!("; the first: {reason}"))
-    )]
-    Failed {
-        /// Samples without one.
-        failed: usize,
-        /// All of them.
-        samples: usize,
-        /// Why the first has none.
-        reason: Option<String>,
-    },
-    /// The scene cannot run.
-    #[error(transparent)]
-    Run(#[from] RunError),
     /// The scene is wrong.
     #[error(transparent)]
     Scene(#[from] SceneError),
@@ -83,7 +57,8 @@ pub struct RandomInput {
     pub source: Option<String>,
 }
 
-/// What one draw moves.
+/// What one input moves.
+#[derive(Debug, Clone)]
 enum Target {
     Number(AdjustableNumber, InputDistribution),
     /// Gain or zero of a channel, counted from 0, in parts of its data sheet.
@@ -91,22 +66,27 @@ enum Target {
     Zero(usize),
 }
 
-/// All inputs: each is one independent draw.
-pub(super) struct RandomInputs {
+/// All inputs, independent of each other.
+#[derive(Debug, Clone, Default)]
+pub struct RandomInputs {
     list: Vec<RandomInput>,
     targets: Vec<Vec<Target>>,
 }
 
 impl RandomInputs {
-    pub(super) fn of(adjustable: &mut Adjustable) -> Result<Self, UncertaintyError> {
+    /// Those that `adjustable` states, and that its sensors' files and its scope's data sheet do.
+    ///
+    /// # Errors
+    /// [`RandomInputsError`] for paths that name nothing, and for uncertainties in another unit.
+    pub fn of(adjustable: &mut Adjustable) -> Result<Self, RandomInputsError> {
         let scene = adjustable.scene()?;
-        let mut inputs = Self { list: Vec::new(), targets: Vec::new() };
+        let mut inputs = Self::default();
         let mut stated = scene.uncertainty.clone();
         stated.extend(of_sensors(&scene));
         for input in &stated {
             let wrong = |error| {
                 let (typed, path) = (input.typed.clone(), input.path.clone());
-                UncertaintyError::Path { typed, path, error }
+                RandomInputsError::Path { typed, path, error }
             };
             if adjustable.is_switched_off(&input.path) {
                 continue;
@@ -137,10 +117,20 @@ impl RandomInputs {
             inputs.list.push(of("zero", accuracy.offset_at(at_input), "V", 0.0));
             inputs.targets.push(vec![Target::Zero(index)]);
         }
-        if inputs.list.is_empty() {
-            return Err(UncertaintyError::Nothing { scene: scene.name });
-        }
         Ok(inputs)
+    }
+
+    /// The same without the channels' gains and zeros, and without the numbers whose paths `is_known` has.
+    #[must_use]
+    pub fn without(mut self, is_known: impl Fn(&str) -> bool) -> Self {
+        for targets in &mut self.targets {
+            targets.retain(|t| matches!(t, Target::Number(number, _) if !is_known(&number.path)));
+        }
+        let kept: Vec<bool> = self.targets.iter().map(|targets| !targets.is_empty()).collect();
+        let mut kept = kept.iter();
+        self.list.retain(|_| *kept.next().unwrap_or(&false));
+        self.targets.retain(|targets| !targets.is_empty());
+        self
     }
 
     fn add(&mut self, input: &UncertainInput, number: &AdjustableNumber) {
@@ -162,30 +152,39 @@ impl RandomInputs {
         self.targets.push(vec![target]);
     }
 
-    pub(super) fn count(&self) -> usize {
+    /// The inputs.
+    pub fn list(&self) -> &[RandomInput] {
+        &self.list
+    }
+
+    /// Number of inputs.
+    pub fn count(&self) -> usize {
         self.list.len()
     }
 
-    pub(super) fn names(&self) -> Vec<String> {
-        self.list.iter().map(|input| input.name.clone()).collect()
-    }
-
-    pub(super) fn into_list(self) -> Vec<RandomInput> {
-        self.list
-    }
-
-    /// The scene with each input at its share `sample` of its distribution (1).
-    pub(super) fn scene(
+    /// The scene with `values` of other numbers (SI units) and each input at its score (1).
+    ///
+    /// # Errors
+    /// [`SceneError`] where a value is out of its range.
+    pub fn scene(
         &self,
         adjustable: &Adjustable,
-        sample: &[f64],
+        values: &[(&AdjustableNumber, f64)],
+        scores: &[f64],
     ) -> Result<Scene, SceneError> {
-        let mut scene = adjustable.with(&self.values(sample))?;
+        let mut values = values.to_vec();
+        for (targets, score) in self.targets.iter().zip(scores) {
+            values.extend(targets.iter().filter_map(|target| match target {
+                Target::Number(number, spread) => Some((number, value_at(number, *spread, *score))),
+                Target::Gain(_) | Target::Zero(_) => None,
+            }));
+        }
+        let mut scene = adjustable.with(&values)?;
         // Plates are what the inputs say, not drawn once more.
         scene.sensor_tolerance = None;
-        for (targets, share) in self.targets.iter().zip(sample) {
+        for (targets, score) in self.targets.iter().zip(scores) {
             for target in targets {
-                let part = 2.0 * share - 1.0;
+                let part = score / 3f64.sqrt();
                 let mut change = |index: usize, of: fn(&mut Deviation) -> &mut f64| {
                     if let Some(Some(channel)) = scene.scope.channels.get_mut(index) {
                         *of(&mut channel.deviation) = part;
@@ -201,8 +200,8 @@ impl RandomInputs {
         Ok(scene)
     }
 
-    /// How far each input of `sample` is from its value, in its standard uncertainties (1).
-    pub(super) fn scores(&self, sample: &[f64]) -> Vec<f64> {
+    /// The scores of inputs that are each at its share `sample` of its distribution (1).
+    pub fn scores(&self, sample: &[f64]) -> Vec<f64> {
         let score = |(targets, share): (&Vec<Target>, &f64)| match targets.first() {
             Some(Target::Number(_, InputDistribution::Normal(_))) => normal_quantile(*share),
             _ => 3f64.sqrt() * (2.0 * share - 1.0),
@@ -210,29 +209,38 @@ impl RandomInputs {
         self.targets.iter().zip(sample).map(score).collect()
     }
 
-    fn values(&self, sample: &[f64]) -> Vec<(&AdjustableNumber, f64)> {
-        let mut values = Vec::new();
-        for (targets, share) in self.targets.iter().zip(sample) {
-            for target in targets {
-                if let Target::Number(number, distribution) = target {
-                    values.push((number, drawn_value(number.value, *distribution, *share)));
-                }
+    /// The numbers of input `place` that are off their values by `by` standard uncertainties (1).
+    pub fn moved(&self, place: usize, by: f64) -> Vec<(AdjustableNumber, f64)> {
+        let targets = self.targets.get(place).into_iter().flatten();
+        let number = |target: &Target| match target {
+            Target::Number(number, spread) => {
+                Some((number.clone(), number.value + by * spread.standard(number.value)))
             }
-        }
-        values
+            Target::Gain(_) | Target::Zero(_) => None,
+        };
+        targets.filter_map(number).collect()
+    }
+
+    /// How far input `place` may be from its value in the scene, which need not be the middle of its distribution: root mean square, in its standard
+    /// uncertainties (1).
+    pub fn spread_about_value(&self, place: usize) -> f64 {
+        let first = self.targets.get(place).and_then(|targets| targets.first());
+        let Some(Target::Number(number, spread)) = first else { return 1.0 };
+        let off = value_at(number, *spread, 0.0) - number.value;
+        1f64.hypot(off / spread.standard(number.value))
     }
 }
 
-/// The value at `share` of a distribution about `value` (unit).
-fn drawn_value(value: f64, distribution: InputDistribution, share: f64) -> f64 {
-    match distribution {
-        InputDistribution::Normal(amount) => value + amount.of(value) * normal_quantile(share),
-        InputDistribution::Even(amount) => value + amount.of(value) * (2.0 * share - 1.0),
-        InputDistribution::Between(low, high, _) => low + share * (high - low),
-    }
+/// A number's value at a score (1) of its distribution (unit).
+fn value_at(number: &AdjustableNumber, spread: InputDistribution, score: f64) -> f64 {
+    let middle = match spread {
+        InputDistribution::Between(low, high, _) => 0.5 * (low + high),
+        InputDistribution::Normal(_) | InputDistribution::Even(_) => number.value,
+    };
+    middle + score * spread.standard(number.value)
 }
 
-fn check_unit(input: &UncertainInput, number: &AdjustableNumber) -> Result<(), UncertaintyError> {
+fn check_unit(input: &UncertainInput, number: &AdjustableNumber) -> Result<(), RandomInputsError> {
     let dimension = parse_any(&format!("1 {}", number.unit)).map_or(Dimension::NONE, |(_, d)| d);
     let stated = match input.distribution {
         InputDistribution::Normal(SpreadAmount::Absolute(_, found))
@@ -242,7 +250,7 @@ fn check_unit(input: &UncertainInput, number: &AdjustableNumber) -> Result<(), U
         | InputDistribution::Even(SpreadAmount::Share(_)) => None,
     };
     match stated.filter(|found| *found != dimension) {
-        Some(found) => Err(UncertaintyError::Unit {
+        Some(found) => Err(RandomInputsError::Unit {
             typed: input.typed.clone(),
             path: input.path.clone(),
             found,
