@@ -8,6 +8,8 @@ use crate::quantity::engineering;
 
 /// Inputs with a smaller share of the variance than this are one line of the page together (1).
 const SHOWN_SHARE: f64 = 0.005;
+/// A certified interval that is wider than the propagated one by this factor is explained (1).
+const WIDER_FACTOR: f64 = 1.05;
 
 pub(super) fn percent(share: f64) -> String {
     format!("{:.2} %", 100.0 * share)
@@ -79,12 +81,31 @@ pub(super) fn results(report: &CalibrationReport) -> Vec<[String; 2]> {
         ),
     ));
     if let Some(drawn) = &report.monte_carlo {
-        let [low, high] = drawn.interval_95_v_per_n.map(|s| engineering(s, "V/N", 6));
-        let verdict = if drawn.agrees_with_gum { "agrees" } else { "DISAGREES" };
-        rows.push(row("Monte Carlo", format!(
-            "95 % within {low} to {high}; {verdict} with the propagation ({} draws, JCGM 101 clause 8)",
-            drawn.draws
-        )));
+        let shown = |s: f64| engineering(s, "V/N", 6);
+        let ends = |[low, high]: [f64; 2]| format!("{} to {}", shown(low), shown(high));
+        let drawn_ends = ends(drawn.interval_95_v_per_n);
+        rows.push(row("Monte Carlo", format!("95 % of {} draws: {drawn_ends}", drawn.draws)));
+        let propagated = ends(drawn.propagated_95_v_per_n);
+        rows.push(row("propagation", format!("of the same inputs: {propagated}")));
+        let verdict = if drawn.agrees_with_gum { "agree" } else { "DISAGREE" };
+        let [apart, tolerance] = [drawn.difference_v_per_n, drawn.tolerance_v_per_n]
+            .map(|volts| engineering(volts, "V/N", 2));
+        rows.push(row(
+            "",
+            format!(
+                "the ends {verdict}: {apart} apart, tolerance {tolerance} (JCGM 101, 7.9.2 and 8)"
+            ),
+        ));
+        let [low, high] = drawn.propagated_95_v_per_n;
+        if 2.0 * report.expanded_v_per_n > WIDER_FACTOR * (high - low) {
+            rows.push(row(
+                "",
+                format!(
+                    "the certified interval is wider by Student's t (k = {:.2})",
+                    report.coverage_factor
+                ),
+            ));
+        }
     }
     rows.push(row(
         "raw voltage",

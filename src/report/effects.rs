@@ -7,7 +7,7 @@ use crate::quantity::engineering;
 use crate::studies::effects::{EffectState, Ledger, LedgerEntry};
 
 /// Explanation of the table.
-const TABLE_LEGEND: &str = "Changes are those of readings with the effect against readings without it, the largest of all places. \
+const TABLE_LEGEND: &str = "Changes are those of readings with the effect against readings without it, the largest of all places; ± is what 95 % of draws stay within, where chance decides. \
     Needed: without it readings differ by more than the accuracy (records by a tenth of a level or sample). Matters: it is off, and with it they would. \
     No value: the scene gives none to try. * by auto. \
     --why gives the reasons.";
@@ -62,12 +62,13 @@ pub fn effects_svg(ledger: &Ledger) -> String {
 }
 
 fn row(entry: &LedgerEntry, accuracy: f64) -> Vec<String> {
-    let count = |value: Option<f64>| value.map_or("-".to_owned(), |v| signed(v, decimals(v)));
+    let sign = |text: String| if entry.is_drawn { text.replacen('+', "±", 1) } else { text };
+    let count = |value: Option<f64>| value.map_or("-".to_owned(), |v| sign(signed(v, decimals(v))));
     let change = entry.change;
     // What the electronics change is taken from one and the same motion, whose errors are in both.
     let moves = change.is_some_and(|change| change.speed.is_some());
     let known = if moves { accuracy } else { 0.0 };
-    let share = |value: Option<f64>| value.map_or("-".to_owned(), |v| percent(v, known));
+    let share = |value: Option<f64>| value.map_or("-".to_owned(), |v| sign(percent(v, known)));
     let time = |value: Option<f64>| value.map_or("-".to_owned(), |v| engineering(v, "s", 2));
     let state = match entry.state {
         EffectState::On => "on",

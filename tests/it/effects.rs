@@ -118,6 +118,33 @@ fn what_is_on_is_measured() {
     assert!((entry(&found, "host_mass").value.unwrap() - (0.13 / 0.1226 - 1.0)).abs() < 1e-12);
 }
 
+/// Plates within 20 % of both constants, evenly: 95 % of the largest changes of four first peaks, by draws of a linear congruence, whatever the scene's seed is. One draw
+/// was 13.3 % with the scene's own seed.
+#[test]
+fn effects_of_chance_do_not_go_by_one_draw() {
+    let mut state = 3_u64;
+    let mut even = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        2.0 * ((state >> 11) as f64 / (1_u64 << 53) as f64) - 1.0
+    };
+    // d33 over the capacitances of plate, cable and input, 1017 pF, of which the ceramic's are 287 pF.
+    let mut change = || (1.0 + 0.2 * even()) / (1.0 + 0.2 * 287.0 / 1017.0 * even()) - 1.0;
+    let mut largest: Vec<f64> =
+        (0..20_000).map(|_| (0..4).map(|_| change().abs()).fold(0.0, f64::max)).collect();
+    largest.sort_by(f64::total_cmp);
+    let expected = largest[19_000];
+    for seed in [1, 2, 3] {
+        let bench =
+            Scene { seed, ..scene("magnet-0.61g", "[effects.scope_noise]\nrms = \"0 div\"\n") };
+        let found = ledger(&bench, 1e-3, &mut |_| ()).expect("a ledger");
+        let line = entry(&found, "sensor_tolerance");
+        let peak = line.change.expect("a trial").peak.expect("a peak");
+        println!("seed {seed}: {peak}, expected {expected}");
+        // The quantile of 100 draws scatters by 4 %.
+        assert!(line.is_drawn && (peak / expected - 1.0).abs() < 0.15, "{peak} {expected}");
+    }
+}
+
 /// Largest relative change of first peaks, and of all arrivals that an accuracy holds for.
 fn largest_change(with: &Summary, without: &Summary) -> f64 {
     let places = |s: &Summary| s.sensors.iter().chain(&s.wall).cloned().collect::<Vec<_>>();

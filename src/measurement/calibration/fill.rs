@@ -79,6 +79,7 @@ pub fn report(
             mean_v_per_n: m.mean,
             u_v_per_n: m.u,
             interval_95_v_per_n: m.interval_95,
+            propagated_95_v_per_n: m.propagated_95,
             agrees_with_gum: m.agrees,
             difference_v_per_n: m.difference,
             tolerance_v_per_n: m.tolerance,

@@ -95,6 +95,8 @@ pub struct MonteCarloReport {
     pub u_v_per_n: f64,
     /// 95 % of the draws lie between (V/N).
     pub interval_95_v_per_n: [f64; 2],
+    /// The same by the propagation of uncertainty of the same inputs (V/N).
+    pub propagated_95_v_per_n: [f64; 2],
     /// Whether it confirms the propagation of uncertainty, JCGM 101 clause 8.
     pub agrees_with_gum: bool,
     /// Largest difference of the ends of both intervals (V/N).

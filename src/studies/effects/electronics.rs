@@ -1,6 +1,6 @@
 //! Lines of the effects of sensors and scope: the chain's motion is the same, its signals are not.
 
-use super::trial::{ChannelVolts, largest, of_chain, of_electronics, of_signals};
+use super::trial::{ChannelVolts, DRAWS, largest, of_chain, of_draws, of_electronics, of_signals};
 use super::{BaselineRun, EffectFinding, EffectState, LedgerEntry};
 use crate::experiment::acquisition::signals;
 use crate::quantity::engineering;
@@ -32,6 +32,20 @@ fn either(
         reason,
         trial,
     }
+}
+
+/// The line of an effect that chance decides: its change is what 95 % of many draws stay within.
+fn drawn(
+    subject: &BaselineRun<'_>,
+    (is_on, other): (bool, &Scene),
+    (value, reason): (Option<f64>, &str),
+    redraw: fn(&mut Scene),
+) -> EffectFinding {
+    let reason = format!("{reason}; changes are what 95 % of {DRAWS} draws stay within");
+    let mut found = either(subject, is_on, other, (value, reason));
+    let pair = if is_on { (subject.scene, other) } else { (other, subject.scene) };
+    found.trial = found.trial.map(|(times, _)| (times, of_draws(subject, pair, redraw)));
+    found
 }
 
 /// Something the scope cannot be without a wired sensor.
@@ -125,11 +139,12 @@ pub fn sensor_tolerance(subject: &BaselineRun<'_>) -> LedgerEntry {
         }),
     };
     let reason = match set {
-        Some(_) => "on by the scene: drawn from the seed".to_owned(),
-        None => "no table in the scene; compared with one draw within the makers' 20 %".to_owned(),
+        Some(_) => "on by the scene: drawn from the seed",
+        None => "no table in the scene; compared with draws within the makers' 20 %",
     };
     let value = Some(set.map_or(0.0, |tolerance| tolerance.spread));
-    either(subject, set.is_some(), &other, (value, reason)).entry("sensor_tolerance", criterion)
+    drawn(subject, (set.is_some(), &other), (value, reason), |_| ())
+        .entry("sensor_tolerance", criterion)
 }
 
 /// The front end's bandwidth.
@@ -195,25 +210,34 @@ pub fn scope_offset(subject: &BaselineRun<'_>) -> LedgerEntry {
 /// Errors of gain and zero within the data sheet.
 pub fn scope_errors(subject: &BaselineRun<'_>) -> LedgerEntry {
     let scene = subject.scene;
-    let drawn = |deviation: Deviation| deviation != Deviation::default();
-    let is_on = scene.scope.channels.iter().flatten().any(|c| drawn(c.deviation));
+    let is_off = |deviation: Deviation| deviation == Deviation::default();
+    let is_on = scene.scope.channels.iter().flatten().any(|c| !is_off(c.deviation));
     let mut other = scene.clone();
-    for (number, channel) in (1..).zip(&mut other.scope.channels) {
-        if let Some(channel) = channel {
-            channel.deviation =
-                if is_on { Deviation::default() } else { Deviation::drawn(scene.seed, number) };
-        }
+    if is_on {
+        let channels = other.scope.channels.iter_mut().flatten();
+        channels.for_each(|channel| channel.deviation = Deviation::default());
+    } else {
+        draw_deviations(&mut other);
     }
     let (model, channels) = (&scene.scope.model, scene.scope.channels.iter().flatten());
     let gains = channels.map(|c| model.accuracy.gain_at(c.vertical.scale / c.vertical.probe));
     let reason = if is_on {
-        "on by the scene: drawn from the seed".to_owned()
+        "on by the scene: drawn from the seed"
     } else {
-        "no table in the scene; compared with one draw within the data sheet".to_owned()
+        "no table in the scene; compared with draws within the data sheet"
     };
     let value = gains.reduce(f64::max);
-    either(subject, is_on, &other, (value, reason))
+    drawn(subject, (is_on, &other), (value, reason), draw_deviations)
         .entry("scope_errors", "largest gain error in the data sheet")
+}
+
+/// Draws gain and zero of all channels by the scene's seed.
+fn draw_deviations(scene: &mut Scene) {
+    for (number, channel) in (1..).zip(&mut scene.scope.channels) {
+        if let Some(channel) = channel {
+            channel.deviation = Deviation::drawn(scene.seed, number);
+        }
+    }
 }
 
 /// Noise of the front end.
@@ -223,7 +247,7 @@ pub fn scope_noise(subject: &BaselineRun<'_>) -> LedgerEntry {
     let finding = if noise > 0.0 {
         let mut other = subject.scene.clone();
         other.scope.noise = 0.0;
-        either(subject, true, &other, (value, "on by the scene: one draw from the seed".to_owned()))
+        drawn(subject, (true, &other), (value, "on by the scene: drawn from the seed"), |_| ())
     } else {
         let reason = "no table in the scene; it needs rms".to_owned();
         EffectFinding { state: EffectState::Off, value, reason, trial: None }

@@ -7,6 +7,9 @@ use super::trial::{Change, EffectTrial, RunTimes};
 /// Share of a digitiser level, or of a sample interval, below which a record does not show a change (1).
 const RECORD_SHARE: f64 = 0.1;
 
+/// Effects whose change chance decides.
+const DRAWN: [&str; 3] = ["sensor_tolerance", "scope_errors", "scope_noise"];
+
 /// Whether an effect is part of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -95,6 +98,8 @@ pub struct LedgerEntry {
     pub reason: String,
     /// Times of whole runs with and without it; none where they were not measured.
     pub run_times: Option<RunTimes>,
+    /// Whether chance decides what it changes: then changes are what 95 % of a hundred draws stay within, without a sign.
+    pub is_drawn: bool,
     /// Its change, or the change if it were on; none where that was not measured.
     pub change: Option<Change>,
     /// What follows from that.
@@ -119,6 +124,7 @@ impl EffectFinding {
             criterion,
             value: self.value.filter(|value| value.is_finite()),
             reason: self.reason,
+            is_drawn: DRAWN.contains(&effect),
             run_times: self.trial.as_ref().and_then(|(times, _)| *times),
             change: self.trial.map(|(_, change)| change),
             // Decided when the ledger is complete.

@@ -10,7 +10,7 @@ use crate::experiment::bench::Bench;
 use crate::experiment::comparison::run;
 use crate::experiment::outcome::{Reading, speeds};
 use crate::experiment::{Integration, RunError, film_grid, method, sample_grid, scene_bench};
-use crate::numeric::statistics::median;
+use crate::numeric::statistics::{median, quantile};
 use crate::scene::{Scene, input_load};
 use crate::scope::waveform::LEVELS_PER_DIVISION;
 
@@ -18,6 +18,8 @@ use crate::scope::waveform::LEVELS_PER_DIVISION;
 const MIN_PAIRS: usize = 5;
 /// Most pairs of runs that are timed.
 const MAX_PAIRS: usize = 101;
+/// Draws of an effect that chance decides.
+pub const DRAWS: u64 = 100;
 /// Time after which no more pairs than the fewest are timed.
 const TIME_LIMIT: Duration = Duration::from_millis(150);
 
@@ -192,6 +194,36 @@ pub fn of_signals(subject: &BaselineRun<'_>, on: &ChannelVolts, off: &ChannelVol
 
 /// Volts of each channel that is on.
 pub type ChannelVolts = Vec<Option<Vec<f64>>>;
+
+/// What 95 % of [`DRAWS`] draws of an effect change at most, each of the scenes with another seed; `redraw` draws what a scene holds drawn already.
+pub fn of_draws(
+    subject: &BaselineRun<'_>,
+    (with, without): (&Scene, &Scene),
+    redraw: fn(&mut Scene),
+) -> Change {
+    let draw = |number: u64| {
+        let seed = subject.scene.seed.wrapping_add(number);
+        let mut drawn = Scene { seed, ..with.clone() };
+        redraw(&mut drawn);
+        let plain = Scene { seed, ..without.clone() };
+        let [on, off] = [&drawn, &plain].map(|scene| signals(scene, &subject.bench, 1));
+        of_signals(subject, &on, &off)
+    };
+    let changes: Vec<Change> = (0..DRAWS).map(draw).collect();
+    let most = |of: fn(&Change) -> Option<f64>| {
+        let sizes: Option<Vec<f64>> = changes.iter().map(|c| of(c).map(f64::abs)).collect();
+        let mut sizes = sizes?;
+        sizes.sort_by(f64::total_cmp);
+        Some(quantile(&sizes, 0.95))
+    };
+    Change {
+        speed: None,
+        peak: most(|change| change.peak),
+        arrival: most(|change| change.arrival),
+        peak_lsb: most(|change| change.peak_lsb),
+        arrival_samples: most(|change| change.arrival_samples),
+    }
+}
 
 /// Signals of one motion with and without an effect of sensors or scope.
 pub fn of_electronics(subject: &BaselineRun<'_>, with: &Scene, without: &Scene) -> EffectTrial {

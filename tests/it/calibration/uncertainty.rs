@@ -19,6 +19,15 @@ fn the_budget_is_complete_and_monte_carlo_confirms_it() {
     let drawn = found.monte_carlo.expect("draws");
     // A standard deviation from 100,000 draws is good to 0.22 %.
     assert!(drawn.agrees && (drawn.u / found.u - 1.0).abs() < 0.01, "{drawn:?}");
+    // Both intervals are told, and differ by no more than half a unit of the second digit of u where 100,000 draws resolve it, else of the first.
+    let [low, high] = drawn.propagated_95;
+    assert!((0.5 * (high - low) / (1.96 * found.u) - 1.0).abs() < 0.01, "{drawn:?}");
+    let apart = |end: usize| (drawn.interval_95[end] - drawn.propagated_95[end]).abs();
+    assert!((apart(0).max(apart(1)) - drawn.difference).abs() < 1e-15);
+    let first_digit = 10f64.powf(found.u.log10().floor());
+    let tolerances = [0.05 * first_digit, 0.5 * first_digit];
+    assert!(tolerances.iter().any(|t| (drawn.tolerance / t - 1.0).abs() < 1e-9), "{drawn:?}");
+    assert_eq!(drawn.agrees, drawn.difference <= drawn.tolerance);
     let again = calibrate(&blind.strikes, &blind.common, DRAWS).expect("a calibration");
     assert_eq!(again, found, "the same seed gives the same");
     // Masses act in full, by their relative uncertainty.

@@ -207,6 +207,7 @@ fn entry(effect: &'static str, state: EffectState, peak: f64) -> LedgerEntry {
         state,
         active: state == EffectState::On,
         criterion: "made up",
+        is_drawn: false,
         value: Some(1.0),
         reason: format!("{effect} is in this list to be seen"),
         run_times: None,
