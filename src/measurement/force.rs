@@ -214,5 +214,5 @@ fn of_newtons(capture: &Capture, channel: String) -> Result<Forces, ForcesError>
     let clipped = capture.waveform.clipped();
     let first_clipped = capture.waveform.clipped_points().next();
     let noise_u = u.clone();
-    Ok(Forces { channel, sensor, force, noise_u, u, expanded, clipped, first_clipped })
+    Ok(Forces { channel, sensor, force, u, expanded, noise_u, clipped, first_clipped })
 }

@@ -28,6 +28,32 @@ pub(super) fn or_not_stated(text: Option<&String>) -> String {
     text.cloned().unwrap_or_else(|| "not stated".to_owned())
 }
 
+/// Both intervals, by draws and by propagation, and whether they agree.
+fn monte_carlo(report: &CalibrationReport) -> Vec<[String; 2]> {
+    let Some(drawn) = &report.monte_carlo else { return Vec::new() };
+    let row = |what: &str, number: String| [what.to_owned(), number];
+    let shown = |s: f64| engineering(s, "V/N", 6);
+    let ends = |[low, high]: [f64; 2]| format!("{} to {}", shown(low), shown(high));
+    let drawn_ends = ends(drawn.interval_95_v_per_n);
+    let propagated = ends(drawn.propagated_95_v_per_n);
+    let verdict = if drawn.agrees_with_gum { "agree" } else { "DISAGREE" };
+    let [apart, tolerance] = [drawn.difference_v_per_n, drawn.tolerance_v_per_n]
+        .map(|volts| engineering(volts, "V/N", 2));
+    let criterion = "(JCGM 101, 7.9.2 and 8)";
+    let mut rows = vec![
+        row("Monte Carlo", format!("95 % of {} draws: {drawn_ends}", drawn.draws)),
+        row("propagation", format!("of the same inputs: {propagated}")),
+        row("", format!("the ends {verdict}: {apart} apart, tolerance {tolerance} {criterion}")),
+    ];
+    let [low, high] = drawn.propagated_95_v_per_n;
+    if 2.0 * report.expanded_v_per_n > WIDER_FACTOR * (high - low) {
+        let factor = report.coverage_factor;
+        let wider = format!("the certified interval is wider by Student's t (k = {factor:.2})");
+        rows.push(row("", wider));
+    }
+    rows
+}
+
 /// The result, line by line: what it is, and the number.
 pub(super) fn results(report: &CalibrationReport) -> Vec<[String; 2]> {
     let s = report.sensitivity_v_per_n;
@@ -80,33 +106,7 @@ pub(super) fn results(report: &CalibrationReport) -> Vec<[String; 2]> {
             report.birge_ratio
         ),
     ));
-    if let Some(drawn) = &report.monte_carlo {
-        let shown = |s: f64| engineering(s, "V/N", 6);
-        let ends = |[low, high]: [f64; 2]| format!("{} to {}", shown(low), shown(high));
-        let drawn_ends = ends(drawn.interval_95_v_per_n);
-        rows.push(row("Monte Carlo", format!("95 % of {} draws: {drawn_ends}", drawn.draws)));
-        let propagated = ends(drawn.propagated_95_v_per_n);
-        rows.push(row("propagation", format!("of the same inputs: {propagated}")));
-        let verdict = if drawn.agrees_with_gum { "agree" } else { "DISAGREE" };
-        let [apart, tolerance] = [drawn.difference_v_per_n, drawn.tolerance_v_per_n]
-            .map(|volts| engineering(volts, "V/N", 2));
-        rows.push(row(
-            "",
-            format!(
-                "the ends {verdict}: {apart} apart, tolerance {tolerance} (JCGM 101, 7.9.2 and 8)"
-            ),
-        ));
-        let [low, high] = drawn.propagated_95_v_per_n;
-        if 2.0 * report.expanded_v_per_n > WIDER_FACTOR * (high - low) {
-            rows.push(row(
-                "",
-                format!(
-                    "the certified interval is wider by Student's t (k = {:.2})",
-                    report.coverage_factor
-                ),
-            ));
-        }
-    }
+    rows.extend(monte_carlo(report));
     rows.push(row(
         "raw voltage",
         format!(

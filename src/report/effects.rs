@@ -7,18 +7,8 @@ use crate::quantity::engineering;
 use crate::studies::effects::{EffectState, Ledger, LedgerEntry};
 
 /// Explanation of the table.
-const TABLE_LEGEND: &str = "Each number is the largest change of a reading at any sensor when the effect is included, LSB that of a first peak in digitiser levels; \
-    ±: 95 % of random draws stay within. Needed: more than the accuracy (in records a tenth of a level or sample). * decided by auto. \
-    --why gives the reasons, and the values that effects which are off were tried with.";
-/// Verdicts in the order of the summary, as it calls them.
-const SUMMARY: [(&str, &str); 6] = [
-    ("on and needed", "needed"),
-    ("off, but would matter", "matters"),
-    ("no effect here", "no effect"),
-    ("the scene gives no value", "no value"),
-    ("not tried", "not tried"),
-    ("not simulated at all", "not built"),
-];
+const TABLE_LEGEND: &str = "Numbers: the largest change of a reading at any sensor with the effect; LSB: that of a first peak in digitiser levels; ±: 95 % of random draws. \
+    Needed: more than the accuracy (records: a tenth of a level or sample). * by auto. --why: reasons, and the values that were tried.";
 /// Column at which reasons begin.
 const REASON_COLUMN: usize = 23;
 
@@ -37,22 +27,20 @@ pub fn effects(ledger: &Ledger, why: bool) -> String {
     if why {
         lines.extend(ledger.entries.iter().flat_map(reason));
     } else {
-        lines.extend(summary(ledger));
-        lines.push(String::new());
+        lines.extend(wrapped(&summary(ledger), TERMINAL_WIDTH));
         lines.extend(wrapped(TABLE_LEGEND, TERMINAL_WIDTH));
     }
     lines.join("\n")
 }
 
-/// The effects by their verdicts.
-fn summary(ledger: &Ledger) -> Vec<String> {
-    let line = |(words, verdict): (&str, &str)| {
+/// What is needed, and what is missing.
+fn summary(ledger: &Ledger) -> String {
+    let names = |verdict: &str| {
         let with = ledger.entries.iter().filter(|entry| entry.verdict.word() == verdict);
         let names: Vec<&str> = with.map(|entry| entry.effect).collect();
-        let first = format!("  {words:<24}  ");
-        if names.is_empty() { Vec::new() } else { hanging_indent(&first, &names.join(", ")) }
+        if names.is_empty() { "none".to_owned() } else { names.join(", ") }
     };
-    SUMMARY.into_iter().flat_map(line).collect()
+    format!("On and needed: {}. Off, but would matter: {}.", names("needed"), names("matters"))
 }
 
 /// The largest change of readings by each effect, as a picture.

@@ -128,14 +128,12 @@ pub fn open(kind: &str, name: &str) -> Result<Option<Node>, SceneError> {
 /// # Errors
 /// [`SceneError::NoInstrument`], or as reading a file.
 pub fn require(kind: &'static str, name: &str) -> Result<(), SceneError> {
-    match find(kind, name, &Origin::Embedded)? {
-        Some(_) => Ok(()),
-        None => {
-            let listed = if kind.is_empty() { "scopes" } else { kind };
-            let known = data::instrument_names(kind);
-            Err(SceneError::NoInstrument { listed, name: name.to_owned(), known })
-        }
+    if find(kind, name, &Origin::Embedded)?.is_some() {
+        return Ok(());
     }
+    let listed = if kind.is_empty() { "scopes" } else { kind };
+    let known = data::instrument_names(kind);
+    Err(SceneError::NoInstrument { listed, name: name.to_owned(), known })
 }
 
 struct Library {

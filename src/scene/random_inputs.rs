@@ -294,7 +294,7 @@ fn check_limits(
             Err(RandomInputsError::Outside {
                 typed: input.typed.clone(),
                 path: input.path.clone(),
-                value: engineering(number.value, &number.unit, 6),
+                value: engineering(number.value, &number.unit, 4),
             })
         }
         _ => Ok(()),

@@ -123,7 +123,7 @@ fn limits_hold_the_scenes_own_value() {
     let options = SampleOptions { samples: 30, seed: 1 };
     let refused = uncertain_prediction(&mut scene, options, false, &|_| ());
     let words = refused.expect_err("a contradiction").to_string();
-    assert!(words.contains("striker.speed") && words.contains("440 mm/s"), "{words}");
+    assert!(words.contains("striker.speed") && words.contains("440.0 mm/s"), "{words}");
 }
 
 /// Gains and zeros that a run draws from its seed are inputs of a prediction: its values are those of an exact scope, in the middle of their intervals, and a measured
