@@ -131,19 +131,6 @@ impl RandomInputs {
         Ok(inputs)
     }
 
-    /// The same without the channels' gains and zeros, and without the numbers whose paths `is_known` has.
-    #[must_use]
-    pub fn without(mut self, is_known: impl Fn(&str) -> bool) -> Self {
-        for targets in &mut self.targets {
-            targets.retain(|t| matches!(t, Target::Number(number, _) if !is_known(&number.path)));
-        }
-        let kept: Vec<bool> = self.targets.iter().map(|targets| !targets.is_empty()).collect();
-        let mut kept = kept.iter();
-        self.list.retain(|_| *kept.next().unwrap_or(&false));
-        self.targets.retain(|targets| !targets.is_empty());
-        self
-    }
-
     fn add(&mut self, input: &UncertainInput, number: &AdjustableNumber) {
         let target = Target::Number(number.clone(), input.distribution);
         if let Some(group) = &input.group
@@ -231,27 +218,6 @@ impl RandomInputs {
             _ => 3f64.sqrt() * (2.0 * share - 1.0),
         };
         self.targets.iter().zip(sample).map(score).collect()
-    }
-
-    /// The numbers of input `place` that are off their values by `by` standard uncertainties (1).
-    pub fn moved(&self, place: usize, by: f64) -> Vec<(AdjustableNumber, f64)> {
-        let targets = self.targets.get(place).into_iter().flatten();
-        let number = |target: &Target| match target {
-            Target::Number(number, spread) => {
-                Some((number.clone(), number.value + by * spread.standard(number.value)))
-            }
-            Target::Gain(_) | Target::Zero(_) => None,
-        };
-        targets.filter_map(number).collect()
-    }
-
-    /// How far input `place` may be from its value in the scene, which need not be the middle of its distribution: root mean square, in its standard
-    /// uncertainties (1).
-    pub fn spread_about_value(&self, place: usize) -> f64 {
-        let first = self.targets.get(place).and_then(|targets| targets.first());
-        let Some(Target::Number(number, spread)) = first else { return 1.0 };
-        let off = value_at(number, *spread, 0.0) - number.value;
-        1f64.hypot(off / spread.standard(number.value))
     }
 }
 
