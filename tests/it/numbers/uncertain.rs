@@ -75,7 +75,7 @@ fn a_budget_agrees_with_one_input_at_a_time() {
     }
 }
 
-/// Sixteen inputs of a hundred samples go together by chance: before, shares of a first peak added up to 113 %. And a mass that may only be larger has an interval
+/// Sixteen inputs of a hundred samples go together by chance: shares of a first peak added up to more than 100 % before. And a mass that may only be larger has an interval
 /// on one side: both ends are told, none is behind a `±`.
 #[test]
 fn shares_are_parts_of_one_and_lopsided_intervals_have_two_ends() {
