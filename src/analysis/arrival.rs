@@ -6,21 +6,23 @@
 //! - level crossings at `f P`, `f` = 0.5 (half-rise) and 0.1: the time when a cubic through the samples around the crossing,
 //!   over 0.35 of the rise from half to peak on either side, is at the level;
 //!   `u^2 = [u_fit^2 + (f u_P)^2 + (1 - f)^2 u_zero^2] / slope^2 + u_dt^2`;
-//! - peak: where a quartic over 0.5 of that rise on either side has its maximum;
+//! - peak: where a polynomial of degree 5 over 0.6 of that rise on either side has its maximum;
 //!   `u^2 = (u_slope^2 + u_tilt^2) / curvature^2 + u_dt^2`;
 //! - maximum slope: the inflection of a quartic over 0.75 of that rise on either side.
 //!
 //! `u_fit`, `u_slope`: from the samples' noise through the fit's covariance; `u_zero`, `u_tilt`: the
 //! baseline's, grown by undoing the droop ([`super::droop`]); `u_dt = dt^2 |y''/y'| / (8 sqrt(3))`: what a straight line between two
 //! samples may miss of the curve, the sample interval's share. Propagation: JCGM 100:2008, Eq. (10). To both places that are found
-//! as a polynomial's extremum or inflection comes `u_shape`, since pulses are no polynomials: from the distance to that of a fit over 1.6 times as many
-//! samples. What a quartic leaves out moves an inflection by the width's fourth power: it counts over 1.6^4 - 1. A peak may stand beside another one: it counts whole where
-//! the wider fit's residuals exceed the noise by more than a standard deviation, else over 1.6^2 - 1: contacts open with
-//! the force's power 3/2, which no polynomial follows. Valid for pulses that rise
+//! as a polynomial's extremum or inflection comes `u_shape`, since pulses are no polynomials: the distance to that of a fit over 1.6 times as many
+//! samples, over `1.6^p - 1` where it grows with the width's power `p`. An inflection moves by the first term that a quartic leaves out of the curvature, `p` = 4. A peak moves by
+//! the seventh derivative, `p` = 6, in slow components of a pulse; `p` falls to 3 in those with periods of 0.65 rises (from the response of the fit's slope to a sine), and faster
+//! ones are peaks of their own. In gravity's chains two contacts press on a plate one after the other: the top is flat, with shoulders half a rise away, and `p` is 3 to 4
+//! (gravity-1.22g, 2.75g and 17.81g, noise of 0.004 to 0.06 div). Valid for pulses that rise
 //! over at least four samples and stand at least six standard deviations out of the noise; for signals whose time constant is
 //! not known, droop moves arrivals by more than is stated (peaks by about 1 us in this bench).
 
 use crate::quantity::Uncertain;
+use crate::quantity::coverage::even_half_width;
 use std::fmt;
 
 use super::local_fit::{LocalFit, nearest_fall};
@@ -68,8 +70,11 @@ impl fmt::Display for Estimator {
 /// A polynomial's degree, and the share of the rise from half to peak on either side over which it is fitted.
 struct Fitted(usize, f64);
 const LEVEL: Fitted = Fitted(3, 0.35);
-const PEAK: Fitted = Fitted(4, 0.5);
+const PEAK: Fitted = Fitted(5, 0.6);
 const STEEPEST: Fitted = Fitted(4, 0.75);
+/// Powers of a fit's width with which what the pulse's shape does to the places grows (1).
+const PEAK_GROWTH: i32 = 3;
+const STEEPEST_GROWTH: i32 = 4;
 /// How much wider the fit is that tells what the pulse's shape does to a place found (1).
 const FIT_WIDTH_FACTOR: f64 = 1.6;
 /// A level this many standard deviations of the smoothed noise high can be found (1).
@@ -103,9 +108,11 @@ impl Pulse {
     /// Height of the first peak above the baseline (unit).
     pub fn height(&self) -> Option<Uncertain> {
         let Place { fit, x } = self.peak_place()?;
-        let noise = self.variance(&fit, &fit.value_gradient(x));
-        let zero = self.zero_variance(fit.time(x));
-        Some(Uncertain::normal(fit.value(x), (noise + zero).sqrt()))
+        let zero = self.zero_spread(fit.time(x));
+        let spread = self.spread(&fit, &fit.gradient(0, x)).plus(zero);
+        let u = spread.variance.sqrt();
+        let half_width = even_half_width(u, spread.fourth_cumulant);
+        Some(Uncertain { value: fit.value(x), u, half_width })
     }
 
     /// Full width at half of the first peak (s); none where the signal does not fall to it again.
@@ -138,7 +145,7 @@ impl Pulse {
         let sign = if at < self.peak { 1.0 } else { -1.0 };
         let x = nearest_fall(&|x| sign * (level - fit.value(x)))?;
         let slope = fit.slope(x);
-        let noise = self.variance(&fit, &fit.value_gradient(x));
+        let noise = self.variance(&fit, &fit.gradient(0, x));
         let height = (share * peak.u).powi(2);
         let zero = (1.0 - share).powi(2) * self.zero_variance(fit.time(x));
         let seconds = fit.scale() / slope;
@@ -149,7 +156,7 @@ impl Pulse {
 
     fn peak_time(&self) -> Option<Uncertain> {
         let Place { fit, x } = self.peak_place()?;
-        let shape = self.peak_shape(&fit, x);
+        let shape = self.shape((&fit, x), &PEAK, &LocalFit::slope, PEAK_GROWTH);
         let curvature = fit.curvature(x);
         let tilt = self
             .conditions
@@ -157,8 +164,8 @@ impl Pulse {
             .map_or(0.0, |tau| (self.baseline.uncertainty * fit.scale() / tau).powi(2));
         let seconds = fit.scale() / curvature;
         let interval = self.interval_share(fit.bend(x) / curvature / fit.scale());
-        let of_curvature = self.variance(&fit, &[0.0, 0.0, 2.0, 6.0 * x, 12.0 * x * x]);
-        let noise = (self.variance(&fit, &fit.slope_gradient(x)) + tilt) * seconds * seconds;
+        let of_curvature = self.variance(&fit, &fit.gradient(2, x));
+        let noise = (self.variance(&fit, &fit.gradient(1, x)) + tilt) * seconds * seconds;
         let noise = noise * over_noisy(curvature, of_curvature);
         let variance = noise + interval * interval + shape * shape;
         Some(Uncertain::normal(fit.time(x), variance.sqrt()))
@@ -183,12 +190,14 @@ impl Pulse {
         let Place { fit, x } =
             self.centred(rough, &STEEPEST, &LocalFit::curvature).or_else(cubic)?;
         let bend = fit.bend(x);
-        let gradient = [0.0, 0.0, 2.0, 6.0 * x, 12.0 * x * x];
         let seconds = fit.scale() / bend;
-        let of_bend = self.variance(&fit, &[0.0, 0.0, 0.0, 6.0, 24.0 * x]);
-        let noise = self.variance(&fit, &gradient) * seconds * seconds * over_noisy(bend, of_bend);
+        let of_bend = self.variance(&fit, &fit.gradient(3, x));
+        let noise = self.variance(&fit, &fit.gradient(2, x))
+            * seconds
+            * seconds
+            * over_noisy(bend, of_bend);
         let interval = self.interval_share(1.0 / fit.scale());
-        let shape = self.slope_shape(&fit, x);
+        let shape = self.shape((&fit, x), &STEEPEST, &LocalFit::curvature, STEEPEST_GROWTH);
         let standard_uncertainty = (noise + interval * interval + shape * shape).sqrt();
         Some(Uncertain::normal(fit.time(x), standard_uncertainty))
     }
@@ -216,34 +225,19 @@ impl Pulse {
         found
     }
 
-    /// The fit over more samples than that which found the place at `x` in `fit`, and how far off it finds the place (s).
-    fn wider(
+    /// By how much the pulse's shape moves the place at `x` in `fit`, from the distance to that in a fit over more samples (s).
+    fn shape(
         &self,
         (fit, x): (&LocalFit, f64),
         fitted: &Fitted,
         zero: &dyn Fn(&LocalFit, f64) -> f64,
-    ) -> Option<(LocalFit, f64)> {
+        power: i32,
+    ) -> f64 {
         let found = fit.time(x);
         let wider = Fitted(fitted.0, FIT_WIDTH_FACTOR * fitted.1);
-        let Place { fit, x } = self.centred(self.nearest(found), &wider, zero)?;
-        let moved = (fit.time(x) - found).abs();
-        Some((fit, moved))
-    }
-
-    /// By how much the pulse's shape moves its peak at `x` in `fit` (s).
-    fn peak_shape(&self, fit: &LocalFit, x: f64) -> f64 {
-        let Some((wider, moved)) = self.wider((fit, x), &PEAK, &LocalFit::slope) else {
-            return 0.0;
-        };
-        let excess = wider.residual_variance() / self.noise.powi(2) - 1.0;
-        let by_chance = (2.0 / wider.freedom()).sqrt();
-        if excess > by_chance { moved } else { moved / (FIT_WIDTH_FACTOR.powi(2) - 1.0) }
-    }
-
-    /// By how much the pulse's shape moves its inflection at `x` in `fit` (s).
-    fn slope_shape(&self, fit: &LocalFit, x: f64) -> f64 {
-        let wider = self.wider((fit, x), &STEEPEST, &LocalFit::curvature);
-        wider.map_or(0.0, |(_, moved)| moved) / (FIT_WIDTH_FACTOR.powi(4) - 1.0)
+        let wider = self.centred(self.nearest(found), &wider, zero);
+        let moved = wider.map_or(0.0, |Place { fit, x }| (fit.time(x) - found).abs());
+        moved / (FIT_WIDTH_FACTOR.powi(power) - 1.0)
     }
 
     /// What a straight line between two samples may miss of the curve, for `bend` = `|y''/y'|` (1/s), as a time (s).

@@ -6,9 +6,8 @@
 
 use std::ops::Range;
 
-use super::local_fit::LocalFit;
 use super::pulse_conditions::{Conditions, MIN_BASELINE_SAMPLES, PEAK_SHARE, PulseError};
-use super::rounding::{MovingScatter, Rounding, at_rest};
+use super::rounding::{AtRest, MovingScatter, Rounding, Spread};
 use crate::trace::Trace;
 
 /// The baseline ends after this share of the samples before the pulse exceeds a quarter of the largest value (1).
@@ -28,10 +27,12 @@ pub struct Baseline {
     pub rms: f64,
     /// Number of samples.
     pub samples: usize,
-    /// Time of its middle (s).
-    pub middle: f64,
+    /// The first sample behind it.
+    pub end: usize,
     /// Its standard uncertainty (unit).
     pub uncertainty: f64,
+    /// How it is distributed: evenly, where all samples show one code.
+    pub spread: Spread,
     /// The noise in front of the converter, as far as the codes tell it.
     pub rounding: Rounding,
 }
@@ -39,6 +40,16 @@ pub struct Baseline {
 impl Baseline {
     /// The baseline of `trace`.
     pub(super) fn of(trace: &Trace, conditions: &Conditions) -> Result<Self, PulseError> {
+        let scatter = || scatter(trace, conditions.level);
+        Self::with_rest(trace, conditions, &scatter).map(|(baseline, _)| baseline)
+    }
+
+    /// The same with what the codes of a quiet scope tell, whose samples elsewhere have this `scatter`.
+    pub(super) fn with_rest(
+        trace: &Trace,
+        conditions: &Conditions,
+        scatter: &dyn Fn() -> MovingScatter,
+    ) -> Result<(Self, Option<AtRest>), PulseError> {
         let range = conditions.baseline.map_or_else(|| before_pulse(trace), |g| g.range(trace));
         let values = trace.values.get(range.clone()).unwrap_or_default();
         if values.len() < MIN_BASELINE_SAMPLES {
@@ -50,45 +61,71 @@ impl Baseline {
         let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
         let rms = (squares / (count - 1.0)).sqrt();
         let step = conditions.level;
-        let (level, uncertainty, rounding) = if rms < DITHERED_RMS * step {
-            at_rest(values, step, scatter(trace, step))
+        let rest = (rms < DITHERED_RMS * step).then(|| AtRest::of(values, step, scatter()));
+        let (level, spread, rounding) = if let Some(rest) = &rest {
+            (rest.zero(), rest.spread(), rest.rounding())
         } else {
             let noise = (rms * rms - step * step / 12.0).sqrt();
-            (mean, rms / count.sqrt(), Rounding { level: step, noise })
+            (mean, Spread::normal(rms / count.sqrt()), Rounding { level: step, noise })
         };
-        Ok(Self {
+        let baseline = Self {
             level,
             rms,
             samples: values.len(),
-            middle: 0.5 * (trace.time(range.start) + trace.time(range.end - 1)),
-            uncertainty,
+            end: range.end,
+            uncertainty: spread.variance.sqrt(),
+            spread,
             rounding,
-        })
+        };
+        Ok((baseline, rest))
     }
 }
 
-/// Standard uncertainty of one sample: the noise seen, but no less than rounding to levels leaves.
-pub(super) fn noise_of(rms: f64, level: f64) -> f64 {
+/// Standard uncertainty of one sample: the noise seen, but no less than rounding to levels leaves (unit).
+pub fn noise_of(rms: f64, level: f64) -> f64 {
     rms.max(level / 12f64.sqrt())
 }
 
 /// Scatter of the samples of `trace` about cubics over a few of them each, wherever these span several levels `step` apart (unit).
-fn scatter(trace: &Trace, step: f64) -> MovingScatter {
-    let (mut squares, mut freedom) = (0.0, 0.0);
-    for start in (0..trace.values.len()).step_by(CURVE_SAMPLES) {
-        let range = start..(start + CURVE_SAMPLES).min(trace.values.len());
-        let values = trace.values.get(range.clone()).unwrap_or_default();
+pub(super) fn scatter(trace: &Trace, step: f64) -> MovingScatter {
+    let cubics = cubics();
+    let shares = |values: &[f64]| -> Vec<f64> {
+        cubics.iter().map(|basis| basis.iter().zip(values).map(|(b, v)| b * v).sum()).collect()
+    };
+    let square = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>();
+    let leave = |values: &[f64]| square(values) - square(&shares(values));
+    let mut all = MovingScatter::default();
+    for values in trace.values.chunks_exact(CURVE_SAMPLES) {
+        let first = values.first().copied().unwrap_or(0.0);
+        let values: Vec<f64> = values.iter().map(|v| (v - first) / step).collect();
         let (low, high) =
             values.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
-        if values.len() == CURVE_SAMPLES
-            && high - low >= CURVE_LEVELS * step
-            && let Some(fit) = LocalFit::of(trace, range, 3)
-        {
-            squares += fit.residual_variance() * fit.freedom();
-            freedom += fit.freedom();
+        if high - low >= CURVE_LEVELS {
+            let shares = shares(&values);
+            let at =
+                |index: usize| shares.iter().zip(&cubics).map(|(s, basis)| s * basis[index]).sum();
+            let curve: Vec<f64> = (0..CURVE_SAMPLES).map(at).collect();
+            let freedom = (CURVE_SAMPLES - cubics.len()) as f64;
+            all = all.with(MovingScatter::of(&values, &curve, freedom, &leave));
         }
     }
-    MovingScatter { variance: squares / f64::max(freedom, 1.0), freedom }
+    all
+}
+
+/// Orthonormal cubics over [`CURVE_SAMPLES`] samples, by Gram and Schmidt.
+fn cubics() -> Vec<[f64; CURVE_SAMPLES]> {
+    let mut basis: Vec<[f64; CURVE_SAMPLES]> = Vec::new();
+    for power in 0..4 {
+        let place = |index: usize| 2.0 * index as f64 / (CURVE_SAMPLES - 1) as f64 - 1.0;
+        let mut next: [f64; CURVE_SAMPLES] = std::array::from_fn(|index| place(index).powi(power));
+        for one in &basis {
+            let share: f64 = one.iter().zip(&next).map(|(a, b)| a * b).sum();
+            next.iter_mut().zip(one).for_each(|(n, one)| *n -= share * one);
+        }
+        let size = next.iter().map(|n| n * n).sum::<f64>().sqrt();
+        basis.push(next.map(|n| n / size));
+    }
+    basis
 }
 
 /// The first two thirds of the samples before the first that is a quarter of the largest deviation away from the start, as is one of the two behind it: a single one

@@ -76,7 +76,7 @@ fn top(lags: &[f64], reach: usize) -> Option<CorrelationMaximum> {
     let fit = LocalFit::of(&curve, 0..2 * reach + 1, 3)?;
     let x = nearest_fall(&|x| fit.slope(x))?;
     let bend = fit.curvature(x) / fit.scale().powi(2);
-    let gain = fit.variance(&fit.slope_gradient(x)) / (bend * fit.scale()).powi(2);
+    let gain = fit.variance(&fit.gradient(1, x)) / (bend * fit.scale()).powi(2);
     Some(CorrelationMaximum { lag: fit.time(x), bend, gain })
 }
 

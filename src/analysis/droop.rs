@@ -31,6 +31,15 @@ pub fn error_gain(sample: usize, interval: f64, time_constant: f64) -> ErrorGain
     }
 }
 
+/// `voltage` without its baseline, with its droop undone from sample `from` on. Before it the sensor is at rest: on a quiet scope all samples there have the same rounding
+/// error, which would add up.
+pub fn undo_droop_from(voltage: &Trace, from: usize, time_constant: f64) -> Trace {
+    let (rest, part) = voltage.values.split_at(from.min(voltage.values.len()));
+    let part = Trace { start: voltage.time(from), values: part.to_vec(), ..voltage.clone() };
+    let felt = undo_droop(&part, time_constant).values;
+    Trace { values: [rest, &felt].concat(), ..voltage.clone() }
+}
+
 /// `S N` for a voltage that starts at rest, without its baseline, with the circuit's time constant `tau` (s).
 pub fn undo_droop(voltage: &Trace, time_constant: f64) -> Trace {
     let ratio = voltage.interval / time_constant;

@@ -25,8 +25,6 @@ pub(super) struct LocalFit {
     pub(super) coefficients: Vec<f64>,
     covariance: Vec<Vec<f64>>,
     samples: usize,
-    /// Sum of the squared differences that are left.
-    squares: f64,
 }
 
 impl LocalFit {
@@ -53,26 +51,7 @@ impl LocalFit {
         }
         let covariance = inverse(&normal).ok()?;
         let coefficients = covariance.iter().map(|row| dot(row, &right)).collect();
-        let samples = values.len();
-        let mut fit = Self { centre, scale, coefficients, covariance, samples, squares: 0.0 };
-        let places = (0..samples).map(|index| 2.0 * index as f64 / (samples - 1) as f64 - 1.0);
-        fit.squares = places.zip(values).map(|(x, y)| (y - fit.value(x)).powi(2)).sum();
-        Some(fit)
-    }
-
-    /// Samples less coefficients.
-    pub(super) fn freedom(&self) -> f64 {
-        (self.samples - self.coefficients.len()) as f64
-    }
-
-    /// Variance that the polynomial leaves of a sample.
-    pub(super) fn residual_variance(&self) -> f64 {
-        self.squares / self.freedom()
-    }
-
-    /// Coefficient of `x^k`, zero beyond the degree.
-    pub(super) fn coefficient(&self, k: usize) -> f64 {
-        self.coefficients.get(k).copied().unwrap_or(0.0)
+        Some(Self { centre, scale, coefficients, covariance, samples: values.len() })
     }
 
     /// Time at `x`.
@@ -86,32 +65,32 @@ impl LocalFit {
     }
 
     pub(super) fn value(&self, x: f64) -> f64 {
-        dot(&powers(x, self.coefficients.len()), &self.coefficients)
+        self.derivative(0, x)
     }
 
     /// `dy/dx`.
     pub(super) fn slope(&self, x: f64) -> f64 {
-        dot(&slopes(x, self.coefficients.len()), &self.coefficients)
+        self.derivative(1, x)
     }
 
     /// `d2y/dx2`.
     pub(super) fn curvature(&self, x: f64) -> f64 {
-        2.0 * self.coefficient(2) + (6.0 * self.coefficient(3) + 12.0 * self.coefficient(4) * x) * x
+        self.derivative(2, x)
     }
 
     /// `d3y/dx3`.
     pub(super) fn bend(&self, x: f64) -> f64 {
-        6.0 * self.coefficient(3) + 24.0 * self.coefficient(4) * x
+        self.derivative(3, x)
     }
 
-    /// The coefficients' weights in the value at `x`.
-    pub(super) fn value_gradient(&self, x: f64) -> Vec<f64> {
-        powers(x, self.coefficients.len())
+    /// The derivative of order `order` with respect to `x`.
+    fn derivative(&self, order: usize, x: f64) -> f64 {
+        dot(&self.gradient(order, x), &self.coefficients)
     }
 
-    /// The coefficients' weights in the slope at `x`.
-    pub(super) fn slope_gradient(&self, x: f64) -> Vec<f64> {
-        slopes(x, self.coefficients.len())
+    /// The coefficients' weights in the derivative of order `order` at `x`.
+    pub(super) fn gradient(&self, order: usize, x: f64) -> Vec<f64> {
+        derivatives(x, self.coefficients.len(), order)
     }
 
     /// Each sample's weight in the sum of coefficients with the weights `gradient`, and the polynomial there.
@@ -146,16 +125,12 @@ fn powers(x: f64, size: usize) -> Vec<f64> {
     std::iter::successors(Some(1.0), |power| Some(power * x)).take(size).collect()
 }
 
-/// Derivatives of the powers.
-fn slopes(x: f64, size: usize) -> Vec<f64> {
-    let mut factor = 0.0;
-    let mut term = |power: f64| {
-        factor += 1.0;
-        factor * power
-    };
-    std::iter::once(0.0)
-        .chain(powers(x, size.saturating_sub(1)).into_iter().map(&mut term))
-        .collect()
+/// Derivatives of the powers of `x`, of order `order`.
+fn derivatives(x: f64, size: usize, order: usize) -> Vec<f64> {
+    let factor = |power: usize| (power + 1 - order..=power).map(|k| k as f64).product::<f64>();
+    let lower = powers(x, size.saturating_sub(order)).into_iter();
+    let upper = (order..).zip(lower).map(|(power, lower)| factor(power) * lower);
+    std::iter::repeat_n(0.0, order.min(size)).chain(upper).collect()
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -181,7 +156,7 @@ mod tests {
         let m = 4.0;
         let gain = 3.0 * (3.0 * m * m + 3.0 * m - 1.0)
             / ((2.0 * m - 1.0) * (2.0 * m + 1.0) * (2.0 * m + 3.0));
-        let gradient = fit.value_gradient(0.0);
+        let gradient = fit.gradient(0, 0.0);
         assert!((fit.variance(&gradient) - gain).abs() < 1e-12);
         // The value is the samples' sum with their weights, and has the variance of the squared weights.
         let weighed: Vec<_> = fit.weights(&gradient).collect();

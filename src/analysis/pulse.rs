@@ -8,9 +8,10 @@
 use super::pulse_conditions::MIN_PROMINENCE;
 pub use super::pulse_conditions::{Conditions, PEAK_SHARE, PulseError};
 
-use super::baseline::{Baseline, noise_of};
-use super::droop::undo_droop;
+use super::baseline::Baseline;
+use super::droop::undo_droop_from;
 use super::local_fit::LocalFit;
+use super::rounding::Spread;
 use crate::trace::Trace;
 /// As long as nothing is smoothed, there are more samples to be wrong: then by this many (1).
 const MIN_RAW_PROMINENCE: f64 = 8.0;
@@ -51,13 +52,13 @@ impl Pulse {
             return Err(PulseError::NotFinite { trace: name() });
         }
         let baseline = Baseline::of(trace, &conditions)?;
-        let noise = noise_of(baseline.rms, conditions.level);
+        let noise = baseline.rounding.sample();
         let mut signal = trace.clone();
         for value in &mut signal.values {
             *value -= baseline.level;
         }
         if let Some(time_constant) = conditions.time_constant {
-            signal = undo_droop(&signal, time_constant);
+            signal = undo_droop_from(&signal, baseline.end, time_constant);
         }
         let (_, inverted) = largest(&signal.values);
         if inverted {
@@ -112,20 +113,26 @@ impl Pulse {
 
     /// Variance that noise and rounding give the sum of the coefficients of `fit` with the weights `gradient`.
     pub(super) fn variance(&self, fit: &LocalFit, gradient: &[f64]) -> f64 {
-        let rounding = self.baseline.rounding;
-        let weights: Vec<(f64, f64)> = fit.weights(gradient).collect();
-        // The noise that the samples show may be more than what is told apart of it.
-        let unseen = (self.noise.powi(2) - rounding.sample().powi(2)).max(0.0);
-        unseen * fit.variance(gradient) + rounding.variance(&weights)
+        self.spread(fit, gradient).variance
     }
 
-    /// Variance of the signal's zero at `time` (s): the baseline's, grown by undoing the droop.
+    /// How noise and rounding distribute the sum of the coefficients of `fit` with the weights `gradient`.
+    pub(super) fn spread(&self, fit: &LocalFit, gradient: &[f64]) -> Spread {
+        let weights: Vec<(f64, f64)> = fit.weights(gradient).collect();
+        self.baseline.rounding.spread(&weights)
+    }
+
+    /// Variance of the signal's zero at `time` (s).
     pub(super) fn zero_variance(&self, time: f64) -> f64 {
-        let mean = self.baseline.uncertainty;
-        let Some(tau) = self.conditions.time_constant else { return mean * mean };
-        let after = (time - self.baseline.middle).max(0.0);
+        self.zero_spread(time).variance
+    }
+
+    /// How the signal's zero at `time` (s) is distributed: as the baseline, grown by undoing the droop from its end on.
+    pub(super) fn zero_spread(&self, time: f64) -> Spread {
+        let Some(tau) = self.conditions.time_constant else { return self.baseline.spread };
+        let after = (time - self.signal.time(self.baseline.end)).max(0.0);
         let walk = self.noise * (after * self.signal.interval).sqrt() / tau;
-        (mean * (1.0 + after / tau)).powi(2) + walk * walk
+        self.baseline.spread.times(1.0 + after / tau).plus(Spread::normal(walk))
     }
 
     /// Number of maxima that stand out of what is around them by six standard deviations and by `share` of the largest (1).

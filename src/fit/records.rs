@@ -5,7 +5,7 @@
 
 use super::forward::TimeAxis;
 use super::{FitError, FitOptions};
-use crate::analysis::baseline::Baseline;
+use crate::analysis::baseline::{Baseline, noise_of};
 use crate::analysis::pulse::{Conditions, Pulse};
 use crate::analysis::rounding::Rounding;
 use crate::measurement::compare::ComparedShot;
@@ -203,8 +203,8 @@ fn record(
     let conditions = Conditions { level, ..Conditions::default() };
     let found = capture.trace().map(|trace| Pulse::find(&trace, conditions));
     let (baseline, sigma, rounding, quiet_samples) = if let Some(Ok(pulse)) = found {
-        let Baseline { level, rounding, samples, .. } = pulse.baseline;
-        (level, pulse.noise, rounding, samples)
+        let Baseline { level, rms, rounding, samples, .. } = pulse.baseline;
+        (level, noise_of(rms, rounding.level), rounding, samples)
     } else {
         notes.push(format!(
             "{name}: no quiet time before a pulse to take noise from; samples weigh by rounding alone"

@@ -306,7 +306,9 @@ fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArriva
     let force = height.zip(sensitivity).map(|(height, sensitivity)| {
         let value = height.value / sensitivity;
         let u = height.u.hypot(height.value * scale_u) / sensitivity;
-        Uncertain { value, u, half_width: value.abs() * limit }
+        // Of two even parts the smaller counts as normal.
+        let half_width = (value.abs() * limit).max(height.half_width / sensitivity);
+        Uncertain { value, u, half_width }
     });
     // The signal crossed the trigger's level somewhere in the sample interval before the record's zero.
     let interval = capture.waveform.preamble.x_incr;

@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use super::metadata::{self, RecordedSensor};
-use crate::analysis::droop::{error_gain, undo_droop};
+use crate::analysis::droop::{error_gain, undo_droop_from};
 use crate::analysis::pulse::{Conditions, Pulse, PulseError};
 use crate::quantity::coverage::expanded_95;
 use crate::recording::{Capture, Shot, TraceSet};
@@ -171,12 +171,13 @@ fn of_channel(capture: &Capture, sensors: &[RecordedSensor]) -> Result<Forces, F
     let level = capture.waveform.preamble.y_mult.abs();
     let pulse = Pulse::find(&volts, Conditions { level, ..Conditions::default() })?;
     volts.values.iter_mut().for_each(|v| *v -= pulse.baseline.level);
-    let felt = undo_droop(&volts, tau);
+    let start = pulse.baseline.end;
+    let felt = undo_droop_from(&volts, start, tau);
     let (scale_u, tau_u) = (sensor.scale_u(), sensor.time_constant_u.unwrap_or(0.0));
     let (interval, limit) = (felt.interval, sensor.gain_half_width());
     let (mut u, mut expanded, mut noise_u) = (Vec::new(), Vec::new(), Vec::new());
     for (index, (felt, volts)) in felt.values.iter().zip(&volts.values).enumerate() {
-        let gain = error_gain(index, interval, tau);
+        let gain = error_gain(index.saturating_sub(start), interval, tau);
         let noise = gain.noise * pulse.noise;
         let rest =
             [felt * scale_u, (felt - volts) * tau_u, gain.baseline * pulse.baseline.uncertainty];

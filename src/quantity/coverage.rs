@@ -119,6 +119,12 @@ pub fn expected_coverage(trials: u32) -> [f64; 2] {
     [0.95 - scatter, (0.95 + scatter).min(1.0)]
 }
 
+/// Half-width of the even part of a sum of a normal and an even one, from its standard uncertainty (unit) and its fourth cumulant (unit^4), to which the normal part
+/// adds nothing and the even one `-2 a^4/15` (unit).
+pub fn even_half_width(u: f64, fourth_cumulant: f64) -> f64 {
+    (-7.5 * fourth_cumulant).max(0.0).sqrt().sqrt().min(3f64.sqrt() * u)
+}
+
 /// Share of the normal distribution below `z` (1).
 ///
 /// M. Abramowitz, I. Stegun, "Handbook of Mathematical Functions" (1964), Eq. 26.2.17, within 7.5e-8.

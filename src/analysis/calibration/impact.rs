@@ -6,6 +6,7 @@ use super::record::NOISE_TIMES;
 pub use super::record::RawRecord;
 use crate::analysis::baseline::Baseline;
 use crate::analysis::droop::undo_droop;
+use crate::analysis::rounding::MovingScatter;
 use crate::trace::Trace;
 /// Without a window given, the integral begins and ends this share of the contact outside it (1).
 const WINDOW_MARGIN: f64 = 0.15;
@@ -61,12 +62,12 @@ pub struct Impact {
 }
 
 impl Impact {
-    /// Reads `record` with the time constant `tau` (s).
+    /// Reads `record`, whose samples scatter so about a smooth curve, with the time constant `tau` (s).
     ///
     /// # Errors
     /// [`Exclusion`]: why it is no good.
-    pub fn read(record: &RawRecord, tau: f64) -> Result<Self, Exclusion> {
-        let prepared = PreparedRecord::new(record)?;
+    pub fn read(record: &RawRecord, scatter: MovingScatter, tau: f64) -> Result<Self, Exclusion> {
+        let prepared = PreparedRecord::new(record, scatter)?;
         let signal = &prepared.signal;
         let rise = prepared.rise().ok_or(Exclusion::NoPreTrigger { samples: 0 })?;
         let length = signal.values.len();

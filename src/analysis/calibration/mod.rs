@@ -29,6 +29,8 @@ pub use monte_carlo::Draws;
 use self::assemble::assemble;
 use self::impact::Impact;
 use self::model::{Common, MeasurementEquation};
+use crate::analysis::baseline::scatter;
+use crate::analysis::rounding::MovingScatter;
 use crate::numeric::statistics::median;
 
 /// An impact this many standard uncertainties away from the others is left out (1).
@@ -46,10 +48,12 @@ pub fn calibrate(
     draws: Draws,
 ) -> Result<Calibration, CalibrationError> {
     let given = common.tau.map(|tau| tau.value);
-    let tails: Vec<_> = strikes.iter().map(|s| tail::fit(&s.record)).collect();
+    let scatters = scatters(strikes);
+    let each = || strikes.iter().map(|strike| &strike.record).zip(scatters.iter().copied());
+    let tails: Vec<_> = each().map(|(record, scatter)| tail::fit(record, scatter)).collect();
     let tau = given.or_else(|| tail::weighted_mean(&tails)).ok_or_else(|| no_tau(strikes))?;
     let read: Vec<Result<Impact, Exclusion>> =
-        strikes.iter().map(|strike| Impact::read(&strike.record, tau)).collect();
+        each().map(|(record, scatter)| Impact::read(record, scatter, tau)).collect();
     let mut used: Vec<usize> = (0..read.len()).filter(|i| read[*i].is_ok()).collect();
     let mut excluded: Vec<(usize, Exclusion)> = Vec::new();
     for (index, result) in read.iter().enumerate() {
@@ -76,9 +80,24 @@ pub fn calibrate(
     Ok(assemble((strikes, common), read, &excluded, model, draws))
 }
 
+/// How the samples of each record scatter about a smooth curve: records of one range have one noise, and tell it together.
+fn scatters(strikes: &[PlannedStrike]) -> Vec<MovingScatter> {
+    let one = |strike: &PlannedStrike| {
+        (strike.record.level, scatter(&strike.record.trace, strike.record.level))
+    };
+    let each: Vec<(f64, MovingScatter)> = strikes.iter().map(one).collect();
+    let same = |level: f64| {
+        let same = each.iter().filter(move |(other, _)| other.to_bits() == level.to_bits());
+        same.fold(MovingScatter::default(), |sum, (_, one)| sum.with(*one))
+    };
+    each.iter().map(|(level, _)| same(*level)).collect()
+}
+
 /// Without any impact that could be read, that is what has to be told.
 fn no_tau(strikes: &[PlannedStrike]) -> CalibrationError {
-    let guess = |strike: &PlannedStrike| Impact::read(&strike.record, f64::INFINITY).err();
+    let guess = |strike: &PlannedStrike| {
+        Impact::read(&strike.record, MovingScatter::default(), f64::INFINITY).err()
+    };
     let reasons: Vec<(usize, Exclusion)> =
         strikes.iter().enumerate().filter_map(|(i, s)| Some((i, guess(s)?))).collect();
     if reasons.len() + 1 < strikes.len() {

@@ -222,7 +222,9 @@ impl MeasurementEquation {
             let Some(tail) = &part.tail else { return 0.0 };
             let first = self.first_own(index);
             let at = |place: usize| values.get(first + place).copied().unwrap_or(0.0);
-            part.tail_weight * (tail.inverse_tau + tail.per_baseline * at(2) + at(5))
+            // The noise of the contact's samples is in the integral and in what leaks away of it.
+            let leaking = tail.per_baseline * at(2) + tail.per_integral * at(3);
+            part.tail_weight * (tail.inverse_tau + leaking + at(5))
         };
         self.parts.iter().enumerate().map(part).sum()
     }

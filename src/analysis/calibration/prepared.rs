@@ -4,6 +4,7 @@ use super::exclusion::Exclusion;
 use super::record::{NOISE_TIMES, RawRecord};
 use crate::analysis::baseline::{Baseline, noise_of};
 use crate::analysis::pulse::{Conditions, PulseError};
+use crate::analysis::rounding::{AtRest, MovingScatter};
 use crate::trace::Trace;
 
 /// The contact begins and ends where the force passes this share of its peak, or the noise if that is more (1).
@@ -19,6 +20,8 @@ const LEAD_DIVISOR: usize = 3;
 pub struct PreparedRecord {
     /// Its baseline.
     pub baseline: Baseline,
+    /// What the codes before the contact tell, on a quiet scope.
+    pub rest: Option<AtRest>,
     /// Standard uncertainty of one sample (V).
     pub noise: f64,
     /// Whether it was turned over.
@@ -32,11 +35,11 @@ pub struct PreparedRecord {
 }
 
 impl PreparedRecord {
-    /// Looks at `record`.
+    /// Looks at `record`, whose samples scatter so about a smooth curve.
     ///
     /// # Errors
     /// [`Exclusion`]: why it is no good.
-    pub fn new(record: &RawRecord) -> Result<Self, Exclusion> {
+    pub fn new(record: &RawRecord, scatter: MovingScatter) -> Result<Self, Exclusion> {
         let trace = &record.trace;
         if record.clipped > 0 {
             return Err(Exclusion::Saturated { samples: record.clipped });
@@ -46,19 +49,20 @@ impl PreparedRecord {
             return Err(Exclusion::NotFinite);
         }
         let conditions = Conditions { level: record.level, ..Conditions::default() };
-        let baseline = match Baseline::of(trace, &conditions) {
-            Ok(baseline) if baseline.samples >= MIN_BASELINE_SAMPLES => baseline,
+        let found = Baseline::with_rest(trace, &conditions, &|| scatter);
+        let (baseline, rest) = match found {
+            Ok((baseline, rest)) if baseline.samples >= MIN_BASELINE_SAMPLES => (baseline, rest),
             Ok(_) | Err(PulseError::NoBaseline { .. })
                 if !stands_out(&trace.values, record.level) =>
             {
                 return Err(Exclusion::NoPulse);
             }
-            Ok(Baseline { samples, .. }) | Err(PulseError::NoBaseline { samples, .. }) => {
+            Ok((Baseline { samples, .. }, _)) | Err(PulseError::NoBaseline { samples, .. }) => {
                 return Err(Exclusion::NoPreTrigger { samples });
             }
             Err(_) => return Err(Exclusion::NoPulse),
         };
-        let noise = noise_of(baseline.rms, record.level);
+        let noise = baseline.rounding.sample();
         let mut signal = trace.clone();
         signal.values.iter_mut().for_each(|v| *v -= baseline.level);
         let highest = |values: &[f64], sign: f64| {
@@ -74,8 +78,9 @@ impl PreparedRecord {
         if top < MIN_PEAK_TO_NOISE * noise {
             return Err(Exclusion::NoPulse);
         }
+        let rest = rest.map(|rest| if negative { rest.turned() } else { rest });
         let threshold = (CONTACT_SHARE * top).max(NOISE_TIMES * noise);
-        Ok(Self { baseline, noise, negative, signal, peak, threshold })
+        Ok(Self { baseline, rest, noise, negative, signal, peak, threshold })
     }
 
     /// Last sample before the peak that is below the threshold.
