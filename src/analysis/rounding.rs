@@ -110,6 +110,8 @@ pub struct AtRest {
     pairs: Vec<(f64, f64, f64)>,
     /// Mean of the zeros above the origin (levels).
     zero: f64,
+    /// Whether all samples have one code.
+    has_one_code: bool,
 }
 
 /// A zero that the codes allow.
@@ -151,7 +153,8 @@ impl AtRest {
         for (.., weight) in &mut pairs {
             *weight /= sum;
         }
-        let mut rest = Self { level, origin, pairs, zero: 0.0 };
+        let has_one_code = codes.len() == 1;
+        let mut rest = Self { level, origin, pairs, zero: 0.0, has_one_code };
         rest.zero = rest.over(&|zero, _| zero);
         rest
     }
@@ -166,8 +169,12 @@ impl AtRest {
         self.origin + self.level * self.zero
     }
 
-    /// How far the zero may be off.
+    /// How far the zero may be off: a single code says no more than that the zero lies somewhere in it, however quiet the scope.
     pub fn spread(&self) -> Spread {
+        if self.has_one_code {
+            let variance = self.level.powi(2) / 12.0;
+            return Spread { variance, fourth_cumulant: -1.2 * variance * variance };
+        }
         let moment = |power: i32| self.over(&|zero, _| (zero - self.zero).powi(power));
         let square = moment(2);
         Spread {
@@ -181,7 +188,7 @@ impl AtRest {
         Rounding { level: self.level, noise: self.level * self.over(&|_, noise| noise) }
     }
 
-    /// The zeros that the codes allow, [`ZERO_STEP`] apart.
+    /// The zeros that the codes allow, `ZERO_STEP` apart.
     pub fn zeros(&self) -> Vec<PossibleZero> {
         let mut bins: BTreeMap<i64, [f64; 3]> = BTreeMap::new();
         for (zero, noise, weight) in &self.pairs {
