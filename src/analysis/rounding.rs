@@ -110,8 +110,8 @@ pub struct AtRest {
     pairs: Vec<(f64, f64, f64)>,
     /// Mean of the zeros above the origin (levels).
     zero: f64,
-    /// Whether all samples have one code.
-    has_one_code: bool,
+    /// Whether nothing tells the noise: all samples have one code, and none move.
+    is_noise_unknown: bool,
 }
 
 /// A zero that the codes allow.
@@ -153,8 +153,8 @@ impl AtRest {
         for (.., weight) in &mut pairs {
             *weight /= sum;
         }
-        let has_one_code = codes.len() == 1;
-        let mut rest = Self { level, origin, pairs, zero: 0.0, has_one_code };
+        let is_noise_unknown = codes.len() == 1 && moving.freedom == 0.0;
+        let mut rest = Self { level, origin, pairs, zero: 0.0, is_noise_unknown };
         rest.zero = rest.over(&|zero, _| zero);
         rest
     }
@@ -169,9 +169,9 @@ impl AtRest {
         self.origin + self.level * self.zero
     }
 
-    /// How far the zero may be off: a single code says no more than that the zero lies somewhere in it, however quiet the scope.
+    /// How far the zero may be off: where nothing tells the noise, a single code says no more than that the zero lies somewhere in it.
     pub fn spread(&self) -> Spread {
-        if self.has_one_code {
+        if self.is_noise_unknown {
             let variance = self.level.powi(2) / 12.0;
             return Spread { variance, fourth_cumulant: -1.2 * variance * variance };
         }
