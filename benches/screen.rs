@@ -1,8 +1,9 @@
 //! What the terminal screen costs: `cargo bench --bench screen`.
 //!
-//! Time and bytes of a frame at 4 x 2500 and 4 x 100,000 points, drawn whole, after one key, and after nothing; then on a
-//! pseudo-terminal with a recording of 1,000 triggers the time from the start to the first picture, and from a key to the picture it
-//! changes. Medians and the slowest of the runs; the terminal's own drawing is not in them.
+//! Time and bytes of a frame at 4 x 2500 and 4 x 100,000 points, drawn whole, after one key, and
+//! after nothing; then on a pseudo-terminal with a recording of 1,000 triggers the time from the
+//! start to the first picture, and from a key to the picture it changes. Medians and the slowest of
+//! the runs; the terminal's own drawing is not in them.
 
 use std::cell::Cell;
 use std::collections::BTreeMap;

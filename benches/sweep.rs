@@ -1,6 +1,7 @@
-//! What a sweep costs: for each scene, and how that grows with particles, time simulated, accuracy and number of scenes, as exponents of
-//! power laws fitted by least squares; from these, what a million scenes take. CPU time of one thread, medians of interleaved rounds;
-//! exponents and shares count, times move with the machine: `cargo bench --bench sweep`.
+//! What a sweep costs: for each scene, and how that grows with particles, time simulated, accuracy
+//! and number of scenes, as exponents of power laws fitted by least squares; from these, what a
+//! million scenes take. CPU time of one thread, medians of interleaved rounds; exponents and shares
+//! count, times move with the machine: `cargo bench --bench sweep`.
 #![allow(clippy::expect_used, reason = "a bench that cannot run has nothing to say")]
 
 mod common;
@@ -54,7 +55,8 @@ fn grid(particles: u64, milliseconds: f64, accuracy: f64, scenes: u64) -> String
     text
 }
 
-/// What a sweep took: CPU time of planning and running it, wall time of running it (s), and what is left of it.
+/// What a sweep took: CPU time of planning and running it, wall time of running it (s), and what is
+/// left of it.
 struct Cost {
     cpu: f64,
     wall: f64,

@@ -28,7 +28,8 @@ fn packed(set: &TraceSet) -> Vec<u8> {
     bytes
 }
 
-/// The same records without chunks, compression, checksums and summary, so that a changed byte reaches the decoders.
+/// The same records without chunks, compression, checksums and summary, so that a changed byte
+/// reaches the decoders.
 fn plain(packed: &[u8]) -> Vec<u8> {
     let mut rest = &packed[MAGIC.len()..];
     let mut out = MAGIC.to_vec();

@@ -1,4 +1,5 @@
-//! The files of `instruments/` and `recordings/`, embedded in the binary so that a name is enough wherever it runs.
+//! The files of `instruments/` and `recordings/`, embedded in the binary so that a name is enough
+//! wherever it runs.
 
 use include_dir::{Dir, File, include_dir};
 
@@ -15,7 +16,8 @@ pub fn instrument(kind: &str, name: &str) -> Option<&'static str> {
     folder(kind)?.files().find(is_it)?.contents_utf8()
 }
 
-/// By name, letter by letter: paths would be compared part by part, which shows in how long a program takes to start.
+/// By name, letter by letter: paths would be compared part by part, which shows in how long a
+/// program takes to start.
 fn folder(kind: &str) -> Option<&'static Dir<'static>> {
     if kind.is_empty() {
         return Some(&INSTRUMENTS);

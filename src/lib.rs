@@ -1,8 +1,9 @@
-//! Digital twin of a physics lab bench: a chain of beads with Hertz contacts is hit by a striker, piezo
-//! sensors embedded in beads feel the force, a virtual Tektronix TDS 2014 records it.
+//! Digital twin of a physics lab bench: a chain of beads with Hertz contacts is hit by a striker,
+//! piezo sensors embedded in beads feel the force, a virtual Tektronix TDS 2014 records it.
 //!
-//! Who builds on this library should have it optimised in development builds as well, by `[profile.dev.package.hertzscope] opt-level = 2`:
-//! without, an [`Ensemble`] under error control needs more than 8 MiB of stack.
+//! Who builds on this library should have it optimised in development builds as well, by
+//! `[profile.dev.package.hertzscope] opt-level = 2`: without, an [`Ensemble`] under error control
+//! needs more than 8 MiB of stack.
 
 pub mod analysis;
 pub mod chain;

@@ -9,7 +9,8 @@ use serde_json::Value;
 /// A note on a scene or a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Note {
-    /// What the note is about, for scripts. A code does not change its meaning; `docs/accuracy.md` lists them.
+    /// What the note is about, for scripts. A code does not change its meaning; `docs/accuracy.md`
+    /// lists them.
     pub code: &'static str,
     /// Names and numbers of the sentence, in SI units.
     pub values: BTreeMap<&'static str, Value>,

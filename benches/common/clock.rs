@@ -9,8 +9,8 @@ pub fn cpu_time() -> f64 {
     whole + 1e-9 * rest
 }
 
-/// CPU time of one call of `work`, repeated for about `budget` (s) (s). The clock is read after 1, 2, 4, ... further calls: reading it
-/// takes longer than a thousand square roots.
+/// CPU time of one call of `work`, repeated for about `budget` (s) (s). The clock is read after 1,
+/// 2, 4, ... further calls: reading it takes longer than a thousand square roots.
 pub fn time(budget: f64, mut work: impl FnMut()) -> f64 {
     let mut calls = 1_u32;
     loop {

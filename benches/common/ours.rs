@@ -1,4 +1,5 @@
-//! hertzscope on a scene: the integration alone, with peaks followed, and with the forces recorded as the scope would.
+//! hertzscope on a scene: the integration alone, with peaks followed, and with the forces recorded
+//! as the scope would.
 
 use hertzscope::experiment;
 use hertzscope::experiment::bench::{Bench, Grid};
@@ -49,7 +50,8 @@ fn bare(case: &Case, method: Method) -> Result<(), IntegrateError> {
     experiment::bench::start(&case.chain, method, state).advance(case.duration)
 }
 
-/// A method by the short name that tables use, with its tolerance, or its step in units of the scene's own.
+/// A method by the short name that tables use, with its tolerance, or its step in units of the
+/// scene's own.
 pub fn method(name: &str, setting: f64, case: &Case) -> Option<Method> {
     let (tolerance, step) = (setting, setting * case.unit());
     Some(match name {

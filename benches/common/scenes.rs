@@ -28,8 +28,9 @@ pub struct Case {
 }
 
 impl Case {
-    /// P37, G37, P600, P10000, the first row of P37 as P7, P37 read from a scene's text as `P37 typed`, or the shipped scene magnet-0.61g as
-    /// `bench`. With ` own` behind them, spheres of the first four are up to 1 % larger from the top down, so that every contact has a
+    /// P37, G37, P600, P10000, the first row of P37 as P7, P37 read from a scene's text as
+    /// `P37 typed`, or the shipped scene magnet-0.61g as `bench`. With ` own` behind them, spheres
+    /// of the first four are up to 1 % larger from the top down, so that every contact has a
     /// stiffness of its own.
     pub fn named(name: &str) -> Option<Self> {
         let (kind, growth) = match name.strip_suffix(" own") {
@@ -60,7 +61,8 @@ impl Case {
         self.particles.iter().filter_map(inside).collect()
     }
 
-    /// Time in which the striker goes as far as its contact is pressed: what fixed steps are measured by (s).
+    /// Time in which the striker goes as far as its contact is pressed: what fixed steps are
+    /// measured by (s).
     pub fn unit(&self) -> f64 {
         let fastest = self.velocities.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
         self.chain.impact_overlap(&self.velocities) / fastest
@@ -83,8 +85,9 @@ fn body(mass: f64, sphere: bool, radius: f64) -> Body {
     }
 }
 
-/// PTFE spheres and steel cylinders in turn, a sphere last, so that every contact is PTFE on flat steel; the striker's face is what
-/// particle 1 is not. Radii grow by the share `growth` from the first to the last.
+/// PTFE spheres and steel cylinders in turn, a sphere last, so that every contact is PTFE on flat
+/// steel; the striker's face is what particle 1 is not. Radii grow by the share `growth` from the
+/// first to the last.
 fn alternating(
     name: &'static str,
     (count, growth): (usize, f64),

@@ -1,7 +1,8 @@
 //! Connections of all kinds to one HiSLIP server, whose instrument is the virtual oscilloscope.
 //!
-//! Each step begins with two bytes: which of five connections it is about and what happens there (bytes come, or a message with a
-//! sound header around them, or it is closed), and how many bytes belong to it. Time passes between steps.
+//! Each step begins with two bytes: which of five connections it is about and what happens there
+//! (bytes come, or a message with a sound header around them, or it is closed), and how many bytes
+//! belong to it. Time passes between steps.
 
 #![cfg_attr(not(test), no_main)]
 
@@ -37,7 +38,8 @@ pub fn run(input: &[u8]) {
                 server.closed(number, &mut desk);
                 open[slot] = false;
             }
-            // A sound header: kind, control code and parameter from the bytes, the others are the payload.
+            // A sound header: kind, control code and parameter from the bytes, the others are the
+            // payload.
             _ => {
                 let [code, control, parameter, payload @ ..] = bytes else { continue };
                 let parameter = u32::from(*parameter);

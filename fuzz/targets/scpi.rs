@@ -1,7 +1,8 @@
-//! Two connections to one instrument: bytes of any kind, in pieces of any size, while time passes and impacts come.
+//! Two connections to one instrument: bytes of any kind, in pieces of any size, while time passes
+//! and impacts come.
 //!
-//! The first byte of every piece says what happens: to whom the bytes go, whether the link ends the message, a device clear, time,
-//! the start of an impact, or its signals at the inputs.
+//! The first byte of every piece says what happens: to whom the bytes go, whether the link ends the
+//! message, a device clear, time, the start of an impact, or its signals at the inputs.
 
 #![cfg_attr(not(test), no_main)]
 

@@ -1,7 +1,9 @@
-//! Connections of all kinds to one VXI-11 server, whose instrument is the virtual oscilloscope, and to its port mapper.
+//! Connections of all kinds to one VXI-11 server, whose instrument is the virtual oscilloscope, and
+//! to its port mapper.
 //!
-//! Each step begins with two bytes: which of five connections it is about and what happens there (bytes come, or a call with a
-//! sound record and header around them, or it is closed), and how many bytes belong to it. Time passes between steps.
+//! Each step begins with two bytes: which of five connections it is about and what happens there
+//! (bytes come, or a call with a sound record and header around them, or it is closed), and how
+//! many bytes belong to it. Time passes between steps.
 
 #![cfg_attr(not(test), no_main)]
 
@@ -40,7 +42,8 @@ pub fn run(input: &[u8]) {
                 server.closed(number, &mut desk);
                 open[slot] = false;
             }
-            // A sound call: its procedure from the first byte, the others are the arguments; link numbers begin at 0x8000.
+            // A sound call: its procedure from the first byte, the others are the arguments; link
+            // numbers begin at 0x8000.
             _ => {
                 let [procedure, arguments @ ..] = bytes else { continue };
                 let program = if *procedure == 1 { ABORT_PROGRAM } else { CORE_PROGRAM };

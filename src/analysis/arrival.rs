@@ -1,25 +1,31 @@
-//! When a pulse arrives at a sensor: several estimators of the first pulse of a sampled trace, each with its uncertainty.
+//! When a pulse arrives at a sensor: several estimators of the first pulse of a sampled trace, each
+//! with its uncertainty.
 //!
-//! The paper does not say how it measured arrivals, and estimators differ by tens of microseconds: an arrival always carries its
-//! estimator's name. With `P` the height of the first peak:
+//! The paper does not say how it measured arrivals, and estimators differ by tens of microseconds:
+//! an arrival always carries its estimator's name. With `P` the height of the first peak:
 //!
-//! - level crossings at `f P`, `f` = 0.5 (half-rise) and 0.1: the time when a cubic through the samples around the crossing,
-//!   over 0.35 of the rise from half to peak on either side, is at the level;
-//!   `u^2 = [u_fit^2 + (f u_P)^2 + (1 - f)^2 u_zero^2] / slope^2 + u_dt^2`;
+//! - level crossings at `f P`, `f` = 0.5 (half-rise) and 0.1: the time when a cubic through the
+//!   samples around the crossing, over 0.35 of the rise from half to peak on either side, is at the
+//!   level; `u^2 = [u_fit^2 + (f u_P)^2 + (1 - f)^2 u_zero^2] / slope^2 + u_dt^2`;
 //! - peak: where a polynomial of degree 5 over 0.6 of that rise on either side has its maximum;
 //!   `u^2 = (u_slope^2 + u_tilt^2) / curvature^2 + u_dt^2`;
 //! - maximum slope: the inflection of a quartic over 0.75 of that rise on either side.
 //!
-//! `u_fit`, `u_slope`: from the samples' noise through the fit's covariance; `u_zero`, `u_tilt`: the
-//! baseline's, grown by undoing the droop ([`super::droop`]); `u_dt = dt^2 |y''/y'| / (8 sqrt(3))`: what a straight line between two
-//! samples may miss of the curve, the sample interval's share. Propagation: JCGM 100:2008, Eq. (10). To both places that are found
-//! as a polynomial's extremum or inflection comes `u_shape`, since pulses are no polynomials: the distance to that of a fit over 1.6 times as many
-//! samples, over `1.6^p - 1` where it grows with the width's power `p`. An inflection moves by the first term that a quartic leaves out of the curvature, `p` = 4. A peak moves by
-//! the seventh derivative, `p` = 6, in slow components of a pulse; `p` falls to 3 in those with periods of 0.65 rises (from the response of the fit's slope to a sine), and faster
-//! ones are peaks of their own. In gravity's chains two contacts press on a plate one after the other: the top is flat, with shoulders half a rise away, and `p` is 3 to 4
-//! (gravity-1.22g, 2.75g and 17.81g, noise of 0.004 to 0.06 div). Valid for pulses that rise
-//! over at least four samples and stand at least six standard deviations out of the noise; for signals whose time constant is
-//! not known, droop moves arrivals by more than is stated (peaks by about 1 us in this bench).
+//! `u_fit`, `u_slope`: from the samples' noise through the fit's covariance; `u_zero`, `u_tilt`:
+//! the baseline's, grown by undoing the droop ([`super::droop`]);
+//! `u_dt = dt^2 |y''/y'| / (8 sqrt(3))`: what a straight line between two samples may miss of the
+//! curve, the sample interval's share. Propagation: JCGM 100:2008, Eq. (10). To both places that
+//! are found as a polynomial's extremum or inflection comes `u_shape`, since pulses are no
+//! polynomials: the distance to that of a fit over 1.6 times as many samples, over `1.6^p - 1`
+//! where it grows with the width's power `p`. An inflection moves by the first term that a quartic
+//! leaves out of the curvature, `p` = 4. A peak moves by the seventh derivative, `p` = 6, in slow
+//! components of a pulse; `p` falls to 3 in those with periods of 0.65 rises (from the response of
+//! the fit's slope to a sine), and faster ones are peaks of their own. In gravity's chains two
+//! contacts press on a plate one after the other: the top is flat, with shoulders half a rise away,
+//! and `p` is 3 to 4 (gravity-1.22g, 2.75g and 17.81g, noise of 0.004 to 0.06 div). Valid for
+//! pulses that rise over at least four samples and stand at least six standard deviations out of
+//! the noise; for signals whose time constant is not known, droop moves arrivals by more than is
+//! stated (peaks by about 1 us in this bench).
 
 use crate::quantity::Uncertain;
 use crate::quantity::coverage::even_half_width;
@@ -67,7 +73,8 @@ impl fmt::Display for Estimator {
     }
 }
 
-/// A polynomial's degree, and the share of the rise from half to peak on either side over which it is fitted.
+/// A polynomial's degree, and the share of the rise from half to peak on either side over which it
+/// is fitted.
 struct Fitted(usize, f64);
 const LEVEL: Fitted = Fitted(3, 0.35);
 const PEAK: Fitted = Fitted(5, 0.6);
@@ -82,8 +89,8 @@ const MIN_LEVEL_DEVIATIONS: f64 = 4.0;
 /// A fit is moved to what it found this many times.
 const CENTRING_STEPS: usize = 3;
 
-/// How much larger the variance of a quotient is than with an exact divisor, whose own is `variance`: `1 + 3 r^2` to second order, `r` its relative
-/// uncertainty (1).
+/// How much larger the variance of a quotient is than with an exact divisor, whose own is
+/// `variance`: `1 + 3 r^2` to second order, `r` its relative uncertainty (1).
 fn over_noisy(divisor: f64, variance: f64) -> f64 {
     1.0 + 3.0 * variance / (divisor * divisor)
 }
@@ -121,7 +128,8 @@ impl Pulse {
         let fallen = self.smoothed.iter().skip(self.peak).position(|v| *v <= level)?;
         let (rise, fall) =
             (self.arrival(Estimator::HalfRise)?, self.crossing(0.5, self.peak + fallen)?);
-        // Both ends move with the peak's height in opposite directions: their uncertainties add up at worst.
+        // Both ends move with the peak's height in opposite directions: their uncertainties add up
+        // at worst.
         let standard_uncertainty = rise.u + fall.u;
         Some(Uncertain::normal(fall.value - rise.value, standard_uncertainty))
     }
@@ -171,7 +179,8 @@ impl Pulse {
         Some(Uncertain::normal(fit.time(x), variance.sqrt()))
     }
 
-    /// The maximum of a polynomial around the first peak, whose middle is moved to where the maximum was found.
+    /// The maximum of a polynomial around the first peak, whose middle is moved to where the
+    /// maximum was found.
     fn peak_place(&self) -> Option<Place> {
         // Noise may leave a quartic over a flat top without a maximum; a parabola has one.
         let parabola = || self.centred(self.peak, &Fitted(2, PEAK.1), &LocalFit::slope);
@@ -202,7 +211,8 @@ impl Pulse {
         Some(Uncertain::normal(fit.time(x), standard_uncertainty))
     }
 
-    /// Fits around sample `at`, finds where `zero` is zero, and fits again around that, so that the place comes to lie in the middle.
+    /// Fits around sample `at`, finds where `zero` is zero, and fits again around that, so that the
+    /// place comes to lie in the middle.
     fn centred(
         &self,
         at: usize,
@@ -225,7 +235,8 @@ impl Pulse {
         found
     }
 
-    /// By how much the pulse's shape moves the place at `x` in `fit`, from the distance to that in a fit over more samples (s).
+    /// By how much the pulse's shape moves the place at `x` in `fit`, from the distance to that in
+    /// a fit over more samples (s).
     fn shape(
         &self,
         (fit, x): (&LocalFit, f64),
@@ -240,7 +251,8 @@ impl Pulse {
         moved / (FIT_WIDTH_FACTOR.powi(power) - 1.0)
     }
 
-    /// What a straight line between two samples may miss of the curve, for `bend` = `|y''/y'|` (1/s), as a time (s).
+    /// What a straight line between two samples may miss of the curve, for `bend` = `|y''/y'|`
+    /// (1/s), as a time (s).
     fn interval_share(&self, bend: f64) -> f64 {
         let dt = self.signal.interval;
         dt * dt * bend.abs() / (8.0 * 3f64.sqrt())

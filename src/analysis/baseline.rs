@@ -1,8 +1,9 @@
 //! Zero and noise of a trace, from its samples before the pulse.
 //!
-//! Noise of one sample: the baseline's root mean square about its mean, but no less than `q/sqrt(12)`, what the rounding to
-//! levels `q` apart leaves (JCGM 100:2008, F.2.2.1). Where noise is below half a level, rounding errors of neighbouring samples go
-//! together, and zero and noise follow from how often each code is shown ([`super::rounding`]).
+//! Noise of one sample: the baseline's root mean square about its mean, but no less than
+//! `q/sqrt(12)`, what the rounding to levels `q` apart leaves (JCGM 100:2008, F.2.2.1). Where noise
+//! is below half a level, rounding errors of neighbouring samples go together, and zero and noise
+//! follow from how often each code is shown ([`super::rounding`]).
 
 use std::ops::Range;
 
@@ -10,7 +11,8 @@ use super::pulse_conditions::{Conditions, MIN_BASELINE_SAMPLES, PEAK_SHARE, Puls
 use super::rounding::{AtRest, MovingScatter, Rounding, Spread};
 use crate::trace::Trace;
 
-/// The baseline ends after this share of the samples before the pulse exceeds a quarter of the largest value (1).
+/// The baseline ends after this share of the samples before the pulse exceeds a quarter of the
+/// largest value (1).
 const BASELINE_SHARE: f64 = 2.0 / 3.0;
 /// Scatter below this many levels leaves rounding errors that go together (1).
 const DITHERED_RMS: f64 = 0.6;
@@ -44,7 +46,8 @@ impl Baseline {
         Self::with_rest(trace, conditions, &scatter).map(|(baseline, _)| baseline)
     }
 
-    /// The same with what the codes of a quiet scope tell, whose samples elsewhere have this `scatter`.
+    /// The same with what the codes of a quiet scope tell, whose samples elsewhere have this
+    /// `scatter`.
     pub(super) fn with_rest(
         trace: &Trace,
         conditions: &Conditions,
@@ -81,12 +84,14 @@ impl Baseline {
     }
 }
 
-/// Standard uncertainty of one sample: the noise seen, but no less than rounding to levels leaves (unit).
+/// Standard uncertainty of one sample: the noise seen, but no less than rounding to levels leaves
+/// (unit).
 pub fn noise_of(rms: f64, level: f64) -> f64 {
     rms.max(level / 12f64.sqrt())
 }
 
-/// Scatter of the samples of `trace` about cubics over a few of them each, wherever these span several levels `step` apart (unit).
+/// Scatter of the samples of `trace` about cubics over a few of them each, wherever these span
+/// several levels `step` apart (unit).
 pub(super) fn scatter(trace: &Trace, step: f64) -> MovingScatter {
     let cubics = cubics();
     let shares = |values: &[f64]| -> Vec<f64> {
@@ -128,8 +133,8 @@ fn cubics() -> Vec<[f64; CURVE_SAMPLES]> {
     basis
 }
 
-/// The first two thirds of the samples before the first that is a quarter of the largest deviation away from the start, as is one of the two behind it: a single one
-/// may be noise.
+/// The first two thirds of the samples before the first that is a quarter of the largest deviation
+/// away from the start, as is one of the two behind it: a single one may be noise.
 fn before_pulse(trace: &Trace) -> Range<usize> {
     let mut first: Vec<f64> = trace
         .values

@@ -1,19 +1,25 @@
-//! One trace held against another: residuals, gain, correlation, and how far their spectra are apart.
+//! One trace held against another: residuals, gain, correlation, and how far their spectra are
+//! apart.
 //!
 //! Both traces on one time axis, `m` measured and `s` simulated, `n` samples, means `<m>`, `<s>`:
 //!
 //! - residual `d = m - s`; root mean square `sqrt(sum d^2 / n)`, and the largest `|d|`;
-//! - gain and offset: the straight line `m = g s + o` with noise on both sides, of variances in the ratio `l` (Deming): with the sums `M`, `S` and `C` of
-//!   the squares and products about the means, `g = [M - l S + sqrt((M - l S)^2 + 4 l C^2)]/(2 C)`, so that measured over simulated and simulated over
-//!   measured are each other's inverse; `u(g)^2 = g^2 (1/r^2 - 1) F/(n - 2)`, `F = sum over k of p(k) q(k)` of the autocorrelations of the line's residuals and
-//!   of the signal, 1 for white residuals. Both are told, neither is taken out of the residual;
+//! - gain and offset: the straight line `m = g s + o` with noise on both sides, of variances in the
+//!   ratio `l` (Deming): with the sums `M`, `S` and `C` of the squares and products about the
+//!   means, `g = [M - l S + sqrt((M - l S)^2 + 4 l C^2)]/(2 C)`, so that measured over simulated
+//!   and simulated over measured are each other's inverse; `u(g)^2 = g^2 (1/r^2 - 1) F/(n - 2)`,
+//!   `F = sum over k of p(k) q(k)` of the autocorrelations of the line's residuals and of the
+//!   signal, 1 for white residuals. Both are told, neither is taken out of the residual;
 //! - correlation: Pearson's coefficient;
-//! - spectrum distance: `sqrt(sum (|M[k]| - |S[k]|)^2 / sum |S[k]|^2)` over the amplitudes of both Fourier transforms without their
-//!   zero-frequency bins: 0 for a trace shifted in time, `|g - 1|` for one of another gain, and never larger than the residual's root
-//!   mean square over the simulated trace's (Parseval).
+//! - spectrum distance: `sqrt(sum (|M[k]| - |S[k]|)^2 / sum |S[k]|^2)` over the amplitudes of both
+//!   Fourier transforms without their zero-frequency bins: 0 for a trace shifted in time, `|g - 1|`
+//!   for one of another gain, and never larger than the residual's root mean square over the
+//!   simulated trace's (Parseval).
 //!
-//! Sources: W. A. Fuller, "Measurement Error Models" (1987), 1.3, for the straight line; M. S. Bartlett, J. R. Stat. Soc. 98, 536 (1935), for `F`; A. H. Gray, J. D. Markel, IEEE Trans. ASSP 24, 380 (1976), for distances
-//! between spectra as norms of the difference of their amplitudes. Valid for traces that overlap in time.
+//! Sources: W. A. Fuller, "Measurement Error Models" (1987), 1.3, for the straight line; M. S.
+//! Bartlett, J. R. Stat. Soc. 98, 536 (1935), for `F`; A. H. Gray, J. D. Markel, IEEE Trans. ASSP
+//! 24, 380 (1976), for distances between spectra as norms of the difference of their amplitudes.
+//! Valid for traces that overlap in time.
 
 use super::gate::Gate;
 use super::least_squares::squares;
@@ -52,8 +58,8 @@ pub struct Distance {
 }
 
 impl Pair {
-    /// Puts the simulated trace, `shift` (s) later, on the measured one's axis; none where they have fewer than [`MIN_COMMON_SAMPLES`] samples
-    /// in common.
+    /// Puts the simulated trace, `shift` (s) later, on the measured one's axis; none where they
+    /// have fewer than [`MIN_COMMON_SAMPLES`] samples in common.
     pub fn new(measured: &Trace, simulated: &Trace, shift: f64) -> Option<Self> {
         let ratio = measured.interval / simulated.interval;
         let at =
@@ -86,7 +92,8 @@ impl Pair {
         Trace { name: "measured minus simulated".to_owned(), values, ..self.measured.clone() }
     }
 
-    /// How far the two are apart; the measured trace's noise has `noise_ratio` (1) times the variance of the simulated one's.
+    /// How far the two are apart; the measured trace's noise has `noise_ratio` (1) times the
+    /// variance of the simulated one's.
     pub fn distance(&self, noise_ratio: f64) -> Distance {
         let (m, s) = (&self.measured.values, &self.simulated.values);
         let count = m.len() as f64;
@@ -136,8 +143,8 @@ impl Pair {
     }
 }
 
-/// Slope of the line through points with noise in both coordinates: sums of squares `mm` and `lss`, the latter by the ratio of variances `ratio` (1), and of
-/// products `ms` (unit).
+/// Slope of the line through points with noise in both coordinates: sums of squares `mm` and `lss`,
+/// the latter by the ratio of variances `ratio` (1), and of products `ms` (unit).
 fn deming(mm: f64, lss: f64, ms: f64, ratio: f64) -> f64 {
     let apart = mm - lss;
     let root = (apart * apart + 4.0 * ratio * ms * ms).sqrt();
@@ -145,8 +152,8 @@ fn deming(mm: f64, lss: f64, ms: f64, ratio: f64) -> f64 {
     if apart > 0.0 { (apart + root) / (2.0 * ms) } else { 2.0 * ratio * ms / (root - apart) }
 }
 
-/// Sum of the products of two traces' autocorrelations, up to where the first one's ends: how many times a slope's variance is what white residuals would
-/// make it (1).
+/// Sum of the products of two traces' autocorrelations, up to where the first one's ends: how many
+/// times a slope's variance is what white residuals would make it (1).
 fn alikeness(residual: &[f64], signal: &[f64]) -> f64 {
     let at = |values: &[f64], lag: usize| -> f64 {
         values.iter().zip(values.get(lag..).unwrap_or(&[])).map(|(a, b)| a * b).sum()
@@ -171,9 +178,11 @@ impl Trace {
     }
 }
 
-/// The value at `place`, in samples: a sample itself, or the cubic through the four around it; none outside.
+/// The value at `place`, in samples: a sample itself, or the cubic through the four around it; none
+/// outside.
 fn between(values: &[f64], place: f64) -> Option<f64> {
-    /// Places as near as this to a sample are that sample: what is left of the same time axis after rounding (1).
+    /// Places as near as this to a sample are that sample: what is left of the same time axis after
+    /// rounding (1).
     const TIME_TOLERANCE: f64 = 1e-6;
     let last = values.len().checked_sub(1)? as f64;
     if !(-TIME_TOLERANCE..=last + TIME_TOLERANCE).contains(&place) {
@@ -196,11 +205,12 @@ fn between(values: &[f64], place: f64) -> Option<f64> {
     )
 }
 
-/// The shift (s) by which `simulated` traces are to be later so that the sum of all weighted squared residuals, each pair with its own
-/// weight, is least; none where no shift between the traces' ends leaves enough in common (s).
+/// The shift (s) by which `simulated` traces are to be later so that the sum of all weighted
+/// squared residuals, each pair with its own weight, is least; none where no shift between the
+/// traces' ends leaves enough in common (s).
 ///
-/// Searched over every shift by whole samples that leaves half of the shorter record in common, then refined to the bottom of the
-/// parabola through the three lowest.
+/// Searched over every shift by whole samples that leaves half of the shorter record in common,
+/// then refined to the bottom of the parabola through the three lowest.
 pub fn least_squares_shift(pairs: &[(&Trace, &Trace, f64)]) -> Option<f64> {
     let (first, other, _) = pairs.first()?;
     let step = first.interval;
@@ -259,7 +269,8 @@ mod tests {
         }
     }
 
-    /// Closed forms of the module's text: a gain changes the spectrum by itself, a shift does not, and neither exceeds the residual.
+    /// Closed forms of the module's text: a gain changes the spectrum by itself, a shift does not,
+    /// and neither exceeds the residual.
     #[test]
     fn the_spectrum_distance_has_its_closed_forms() {
         let base = packet(1.0, 0);
@@ -279,7 +290,8 @@ mod tests {
         assert!((distance.correlation.expect("a number") - 1.0).abs() < 1e-12);
     }
 
-    /// A shift that is not a whole number of samples comes back, and a trace is at no distance from itself.
+    /// A shift that is not a whole number of samples comes back, and a trace is at no distance from
+    /// itself.
     #[test]
     fn shifts_come_back() {
         let base = packet(1.0, 0);
@@ -294,7 +306,8 @@ mod tests {
         assert!(least_squares_shift(&[]).is_none());
     }
 
-    /// Noise on both sides, white and such that samples follow each other: 95 % of the intervals hold the gain, and either way round it is the same.
+    /// Noise on both sides, white and such that samples follow each other: 95 % of the intervals
+    /// hold the gain, and either way round it is the same.
     #[test]
     fn gains_are_covered_and_each_others_inverse() {
         let mut state = 9_u64;

@@ -1,12 +1,14 @@
 //! By how much one pulse is later than another, from their whole shapes: cross-correlation.
 //!
-//! The lag `T` that makes `C(T) = sum of a(t) b(t + T)` largest, the top of a cubic through those near it. Both signals end softly
-//! behind their first pulse, at the same distance from their half-rise, so that later pulses and reflections have no say. Noise of variances `s_a^2`, `s_b^2` per sample moves
-//! the top by `u^2 = (s_a^2 sum b'^2 + s_b^2 sum a'^2) / (sum a' b')^2`; noise
-//! that meets noise adds `n s_a^2 s_b^2` to the variance of every `C`. Source: C. H. Knapp, G. C. Carter, IEEE Trans. ASSP 24,
-//! 320 (1976); the uncertainty, to which comes by how much the lag
-//! moves with the place where the signals are cut, follows from `C' = 0` by JCGM 100:2008, Eq. (10). Valid for pulses of like shape; for pulses
-//! that change their shape on the way it is an estimator of its own, with no time of arrival behind it.
+//! The lag `T` that makes `C(T) = sum of a(t) b(t + T)` largest, the top of a cubic through those
+//! near it. Both signals end softly behind their first pulse, at the same distance from their
+//! half-rise, so that later pulses and reflections have no say. Noise of variances `s_a^2`, `s_b^2`
+//! per sample moves the top by `u^2 = (s_a^2 sum b'^2 + s_b^2 sum a'^2) / (sum a' b')^2`; noise
+//! that meets noise adds `n s_a^2 s_b^2` to the variance of every `C`. Source: C. H. Knapp, G. C.
+//! Carter, IEEE Trans. ASSP 24, 320 (1976); the uncertainty, to which comes by how much the lag
+//! moves with the place where the signals are cut, follows from `C' = 0` by JCGM 100:2008, Eq.
+//! (10). Valid for pulses of like shape; for pulses that change their shape on the way it is an
+//! estimator of its own, with no time of arrival behind it.
 
 use crate::quantity::Uncertain;
 use std::f64::consts::PI;
@@ -18,14 +20,16 @@ use super::local_fit::{LocalFit, nearest_fall};
 use super::pulse::Pulse;
 use crate::trace::Trace;
 
-/// Lags on either side of the largest correlation that its place is read from, in rises from half to peak (1).
+/// Lags on either side of the largest correlation that its place is read from, in rises from half
+/// to peak (1).
 const FIT_LAGS: f64 = 0.35;
 /// Length of what is cut out of a signal, in such rises (1).
 const EXCERPT_LENGTH: f64 = 8.0;
 /// Intervals that differ by less than this are the same (1).
 const INTERVAL_TOLERANCE: f64 = 1e-9;
 
-/// How much later `second` is than `first` (s); none where sample intervals differ or no lag stands out.
+/// How much later `second` is than `first` (s); none where sample intervals differ or no lag stands
+/// out.
 pub fn delay(first: &Pulse, second: &Pulse) -> Option<Uncertain> {
     let interval = first.signal.interval;
     if (second.signal.interval / interval - 1.0).abs() > INTERVAL_TOLERANCE {
@@ -41,8 +45,9 @@ pub fn delay(first: &Pulse, second: &Pulse) -> Option<Uncertain> {
     let moved = second.excerpt(half_b.value + half_b.u, rise);
     let cut_b = (top(&correlate(&a, &moved)?, reach)?.lag - lag).abs();
     let cut_a = cut_b * half_a.u / half_b.u;
-    // The curvature of C at its top is the sum of a' b' with its sign turned: with pulses of like shape, those of a'^2 and b'^2 by the ratio of the heights.
-    // Summed up from the samples they would count the noise's own slopes.
+    // The curvature of C at its top is the sum of a' b' with its sign turned: with pulses of like
+    // shape, those of a'^2 and b'^2 by the ratio of the heights. Summed up from the samples they
+    // would count the noise's own slopes.
     let ratio = second.height()?.value / first.height()?.value;
     let (noise_a, noise_b) =
         (first.noise * (ratio / -bend).sqrt(), second.noise / (ratio * -bend).sqrt());
@@ -81,8 +86,8 @@ fn top(lags: &[f64], reach: usize) -> Option<CorrelationMaximum> {
 }
 
 impl Pulse {
-    /// The signal around its first pulse, in units of `rise` (samples) from `arrival` (s), its half-rise: nothing before -3,
-    /// fading out as a cosine from 1 to 5.
+    /// The signal around its first pulse, in units of `rise` (samples) from `arrival` (s), its
+    /// half-rise: nothing before -3, fading out as a cosine from 1 to 5.
     fn excerpt(&self, arrival: f64, rise: f64) -> Vec<f64> {
         let half = (arrival - self.signal.start) / self.signal.interval;
         let weight = |index: usize| {
@@ -99,7 +104,8 @@ impl Pulse {
     }
 }
 
-/// `sum of a[i] b[i + k]` for every `k`, negative ones at the end; none for lengths that cannot be transformed (unit).
+/// `sum of a[i] b[i + k]` for every `k`, negative ones at the end; none for lengths that cannot be
+/// transformed (unit).
 pub fn correlate(a: &[f64], b: &[f64]) -> Option<Vec<f64>> {
     let length = (a.len() + b.len()).next_power_of_two();
     let mut planner = RealFftPlanner::<f64>::new();

@@ -1,8 +1,8 @@
 //! The dispersion relation of a linear diatomic chain: what passes, what does not, how fast.
 //!
-//! `omega^2 = beta/(m M) [m + M -+ sqrt(m^2 + M^2 + 2 m M cos(k a))]`: minus is the acoustic branch, plus the optical one;
-//! between `f1` and `f2` nothing travels. Source: Herbold et al. (2009), Eqs (7) to (10). Valid for dynamic forces far below
-//! the static one.
+//! `omega^2 = beta/(m M) [m + M -+ sqrt(m^2 + M^2 + 2 m M cos(k a))]`: minus is the acoustic
+//! branch, plus the optical one; between `f1` and `f2` nothing travels. Source: Herbold et al.
+//! (2009), Eqs (7) to (10). Valid for dynamic forces far below the static one.
 
 use std::f64::consts::TAU;
 
@@ -20,9 +20,11 @@ pub struct DiatomicChain {
 }
 
 impl DiatomicChain {
-    /// The chain of Hertz contacts that is this one under the preload `now` (N), under another one, `force` (N).
+    /// The chain of Hertz contacts that is this one under the preload `now` (N), under another one,
+    /// `force` (N).
     ///
-    /// `F = A overlap^1.5` has the stiffness `1.5 F/overlap`: it goes with the cubic root of the force, and cells give by the overlaps.
+    /// `F = A overlap^1.5` has the stiffness `1.5 F/overlap`: it goes with the cubic root of the
+    /// force, and cells give by the overlaps.
     pub fn pressed(&self, now: f64, force: f64) -> Self {
         let stiffness = self.stiffness * (force / now).cbrt();
         let overlap = |force: f64, stiffness: f64| 1.5 * force / stiffness;
@@ -45,7 +47,8 @@ impl DiatomicChain {
         self.gap_bottom().hypot(self.gap_top())
     }
 
-    /// Edges of the bands from below, with their names: `f1`, `f2` and `f3`; of equal masses, which leave no gap, `f3` alone (Hz).
+    /// Edges of the bands from below, with their names: `f1`, `f2` and `f3`; of equal masses, which
+    /// leave no gap, `f3` alone (Hz).
     pub fn edges(&self) -> Vec<(&'static str, f64)> {
         let cutoff = ("f3", self.cutoff());
         if self.has_gap() {
@@ -85,8 +88,8 @@ impl DiatomicChain {
         (self.stiffness / (m * big_m) * (m + big_m + root)).sqrt() / TAU
     }
 
-    /// How strongly a frequency (Hz) that does not travel dies out: natural logarithm of the amplitude ratio from cell to
-    /// cell; 0 for one that travels (1).
+    /// How strongly a frequency (Hz) that does not travel dies out: natural logarithm of the
+    /// amplitude ratio from cell to cell; 0 for one that travels (1).
     pub fn decay(&self, frequency: f64) -> f64 {
         let (m, big_m) = (self.light_mass, self.heavy_mass);
         let omega_squared = (TAU * frequency).powi(2);

@@ -1,10 +1,12 @@
-//! Undoes the droop of a piezo sensor: from the voltage that leaks away back to what the sensor felt.
+//! Undoes the droop of a piezo sensor: from the voltage that leaks away back to what the sensor
+//! felt.
 //!
-//! `V' + V/tau = S N'` has the inverse `S N = V + (1/tau) integral of V dt`. Sample by sample, exact where the force runs straight
-//! between samples: `S N[n] = S N[n-1] + (V[n] - a V[n-1]) dt / (tau (1 - a))`, `a = exp(-dt/tau)`.
-//! Source: the charge equation of a leaking capacitor, solved for the force. Valid from a start at rest and discharged; an error
-//! `b` of the baseline grows to `b (1 + T/tau)` after the time `T`, and noise of standard deviation `s` in each sample walks off
-//! by `s sqrt(T dt)/tau`.
+//! `V' + V/tau = S N'` has the inverse `S N = V + (1/tau) integral of V dt`. Sample by sample,
+//! exact where the force runs straight between samples:
+//! `S N[n] = S N[n-1] + (V[n] - a V[n-1]) dt / (tau (1 - a))`, `a = exp(-dt/tau)`. Source: the
+//! charge equation of a leaking capacitor, solved for the force. Valid from a start at rest and
+//! discharged; an error `b` of the baseline grows to `b (1 + T/tau)` after the time `T`, and noise
+//! of standard deviation `s` in each sample walks off by `s sqrt(T dt)/tau`.
 
 use crate::trace::Trace;
 
@@ -17,10 +19,12 @@ pub struct ErrorGain {
     pub baseline: f64,
 }
 
-/// Gains at `sample`, counted from 0 where the inverse starts, for samples `interval` (s) apart and `time_constant` (s).
+/// Gains at `sample`, counted from 0 where the inverse starts, for samples `interval` (s) apart and
+/// `time_constant` (s).
 ///
-/// `S N[n] = g (V[n] + (1 - a) sum over k < n of V[k])`, `g = dt/(tau (1 - a))`: so the noise of `n + 1` samples makes
-/// `g sqrt(1 + n (1 - a)^2)`, and a baseline error `g (1 + n (1 - a))`, which grows as `T/tau`.
+/// `S N[n] = g (V[n] + (1 - a) sum over k < n of V[k])`, `g = dt/(tau (1 - a))`: so the noise of
+/// `n + 1` samples makes `g sqrt(1 + n (1 - a)^2)`, and a baseline error `g (1 + n (1 - a))`, which
+/// grows as `T/tau`.
 pub fn error_gain(sample: usize, interval: f64, time_constant: f64) -> ErrorGain {
     let ratio = interval / time_constant;
     let leaked = -(-ratio).exp_m1();
@@ -31,8 +35,9 @@ pub fn error_gain(sample: usize, interval: f64, time_constant: f64) -> ErrorGain
     }
 }
 
-/// `voltage` without its baseline, with its droop undone from sample `from` on. Before it the sensor is at rest: on a quiet scope all samples there have the same rounding
-/// error, which would add up.
+/// `voltage` without its baseline, with its droop undone from sample `from` on. Before it the
+/// sensor is at rest: on a quiet scope all samples there have the same rounding error, which would
+/// add up.
 pub fn undo_droop_from(voltage: &Trace, from: usize, time_constant: f64) -> Trace {
     let (rest, part) = voltage.values.split_at(from.min(voltage.values.len()));
     let part = Trace { start: voltage.time(from), values: part.to_vec(), ..voltage.clone() };
@@ -40,7 +45,8 @@ pub fn undo_droop_from(voltage: &Trace, from: usize, time_constant: f64) -> Trac
     Trace { values: [rest, &felt].concat(), ..voltage.clone() }
 }
 
-/// `S N` for a voltage that starts at rest, without its baseline, with the circuit's time constant `tau` (s).
+/// `S N` for a voltage that starts at rest, without its baseline, with the circuit's time constant
+/// `tau` (s).
 pub fn undo_droop(voltage: &Trace, time_constant: f64) -> Trace {
     let ratio = voltage.interval / time_constant;
     let kept = (-ratio).exp();

@@ -4,10 +4,12 @@ use std::ops::Range;
 
 use crate::trace::Trace;
 
-/// A sample this close to a gate's edge, in sample intervals, stands on it: times are products and carry rounding (1).
+/// A sample this close to a gate's edge, in sample intervals, stands on it: times are products and
+/// carry rounding (1).
 const EDGE_TOLERANCE: f64 = 1e-6;
 
-/// The times from `from`, included, to `to`, excluded: gates that follow on one another share no sample.
+/// The times from `from`, included, to `to`, excluded: gates that follow on one another share no
+/// sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gate {
     /// First time (s).

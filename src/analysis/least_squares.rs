@@ -1,12 +1,14 @@
-//! Nonlinear least squares by Levenberg and Marquardt, and what the minimum says about its parameters.
+//! Nonlinear least squares by Levenberg and Marquardt, and what the minimum says about its
+//! parameters.
 //!
-//! Minimises `chi^2(x) = sum r[i](x)^2`, residuals in units of their standard deviations. A step `h` solves
-//! `(J^T J + mu D) h = -J^T r`, `D` the largest diagonal of `J^T J` so far; `mu` follows the gain ratio by Nielsen's rule, and a step to
-//! where the problem has no value is refused like one that climbs. Covariance of white residuals: `s^2 (J^T J)^-1` with the
-//! residual variance `s^2 = chi^2/(N - P)`.
-//! Sources: J. J. Moré, Lecture Notes in Mathematics 630, 105 (1978), for the scaling; K. Madsen, H. B. Nielsen, O. Tingleff, "Methods
-//! for Non-Linear Least Squares Problems", DTU (2004), Algorithm 3.16, for the damping. Valid for residuals that are smooth in the
-//! parameters; finds the minimum of the valley it starts in.
+//! Minimises `chi^2(x) = sum r[i](x)^2`, residuals in units of their standard deviations. A step
+//! `h` solves `(J^T J + mu D) h = -J^T r`, `D` the largest diagonal of `J^T J` so far; `mu` follows
+//! the gain ratio by Nielsen's rule, and a step to where the problem has no value is refused like
+//! one that climbs. Covariance of white residuals: `s^2 (J^T J)^-1` with the residual variance
+//! `s^2 = chi^2/(N - P)`. Sources: J. J. Moré, Lecture Notes in Mathematics 630, 105 (1978), for
+//! the scaling; K. Madsen, H. B. Nielsen, O. Tingleff, "Methods for Non-Linear Least Squares
+//! Problems", DTU (2004), Algorithm 3.16, for the damping. Valid for residuals that are smooth in
+//! the parameters; finds the minimum of the valley it starts in.
 
 use crate::numeric::linear::{Undetermined, inverse_of_gram, solve};
 
@@ -20,7 +22,8 @@ pub trait LeastSquaresProblem {
     /// Residuals at `x` in their standard deviations; none where there is no value (1).
     fn residuals(&mut self, x: &[f64]) -> Option<Vec<f64>>;
 
-    /// Derivatives of the residuals at `x` by each parameter, a column each, where the residuals are `at`; none where there is no value (1).
+    /// Derivatives of the residuals at `x` by each parameter, a column each, where the residuals
+    /// are `at`; none where there is no value (1).
     fn columns(&mut self, x: &[f64], at: &[f64]) -> Option<Vec<Vec<f64>>>;
 
     /// How many of the residuals `at` count: all, unless some have no weight.
@@ -80,7 +83,8 @@ pub struct Minimum {
 /// The minimum that is reached from `start`.
 ///
 /// # Errors
-/// [`LeastSquaresError`] where the start has no value, where data are too few, and where steps run out.
+/// [`LeastSquaresError`] where the start has no value, where data are too few, and where steps run
+/// out.
 pub fn minimise(
     problem: &mut dyn LeastSquaresProblem,
     start: &[f64],
@@ -158,12 +162,14 @@ fn damped_step(columns: &[Vec<f64>], gradient: &[f64], scale: &[f64], damping: f
 }
 
 impl Minimum {
-    /// Residual variance `chi^2/(N - P)`, `N` the residuals that count: 1 where the residuals' standard deviations are right and the model is (1).
+    /// Residual variance `chi^2/(N - P)`, `N` the residuals that count: 1 where the residuals'
+    /// standard deviations are right and the model is (1).
     pub fn variance(&self) -> f64 {
         self.chi_squared / self.degrees_of_freedom.max(1) as f64
     }
 
-    /// `(J^T J)^-1`, the covariance of the parameters for white residuals of variance one, in the product of their units (1).
+    /// `(J^T J)^-1`, the covariance of the parameters for white residuals of variance one, in the
+    /// product of their units (1).
     ///
     /// # Errors
     /// [`Undetermined`] with the parameter that the data do not determine beside the others.
@@ -209,8 +215,8 @@ mod tests {
         }
     }
 
-    /// Misra1a of the NIST Statistical Reference Datasets: certified parameters, their standard deviations and the residual standard
-    /// deviation, from both starts.
+    /// Misra1a of the NIST Statistical Reference Datasets: certified parameters, their standard
+    /// deviations and the residual standard deviation, from both starts.
     #[test]
     fn misra1a_of_nist_comes_out() {
         const DATA: [(f64, f64); 14] = [
@@ -247,8 +253,8 @@ mod tests {
         }
     }
 
-    /// Two parameters that only count as their sum are told apart by nothing, and said to be; which of all is named is left to rounding,
-    /// as derivatives are differences here.
+    /// Two parameters that only count as their sum are told apart by nothing, and said to be; which
+    /// of all is named is left to rounding, as derivatives are differences here.
     #[test]
     fn parameters_that_cannot_be_told_apart_are_refused() {
         let points: Vec<(f64, f64)> = (1..9).map(|i| (f64::from(i), 3.0 * f64::from(i))).collect();
@@ -258,7 +264,8 @@ mod tests {
         assert!(found.expect("a minimum").inverse().is_err());
     }
 
-    /// A step to where there is no value is refused, and the minimum at the edge of what is allowed is still found.
+    /// A step to where there is no value is refused, and the minimum at the edge of what is allowed
+    /// is still found.
     #[test]
     fn where_there_is_no_value_no_step_ends() {
         struct BoundedProblem;

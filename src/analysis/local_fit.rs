@@ -1,10 +1,12 @@
-//! A polynomial through a few neighbouring samples: what lies between them, and how well it is known.
+//! A polynomial through a few neighbouring samples: what lies between them, and how well it is
+//! known.
 //!
-//! `y(x) = sum over k of c[k] x^k`, `x = (t - centre)/scale` from -1 to 1 over the samples taken; the `c` that make the sum of
-//! squared differences smallest. If every sample carries independent noise of variance `s^2`, the coefficients have the
-//! covariance `s^2 (V^T V)^-1`, `V[i][k] = x[i]^k`. Source:
-//! W. H. Press et al., Numerical Recipes (2007), section 15.4. Valid where the signal is close to a polynomial over the samples
-//! taken: the caller's choice of how many.
+//! `y(x) = sum over k of c[k] x^k`, `x = (t - centre)/scale` from -1 to 1 over the samples taken;
+//! the `c` that make the sum of squared differences smallest. If every sample carries independent
+//! noise of variance `s^2`, the coefficients have the covariance `s^2 (V^T V)^-1`,
+//! `V[i][k] = x[i]^k`. Source: W. H. Press et al., Numerical Recipes (2007), section 15.4. Valid
+//! where the signal is close to a polynomial over the samples taken: the caller's choice of how
+//! many.
 
 use std::ops::Range;
 
@@ -28,7 +30,8 @@ pub(super) struct LocalFit {
 }
 
 impl LocalFit {
-    /// A polynomial of degree `highest`, or less where samples are few, through the samples `range` of `trace`.
+    /// A polynomial of degree `highest`, or less where samples are few, through the samples `range`
+    /// of `trace`.
     pub(super) fn of(trace: &Trace, range: Range<usize>, highest: usize) -> Option<Self> {
         let values = trace.values.get(range.clone())?;
         if values.len() < 3 {
@@ -93,7 +96,8 @@ impl LocalFit {
         derivatives(x, self.coefficients.len(), order)
     }
 
-    /// Each sample's weight in the sum of coefficients with the weights `gradient`, and the polynomial there.
+    /// Each sample's weight in the sum of coefficients with the weights `gradient`, and the
+    /// polynomial there.
     pub(super) fn weights(&self, gradient: &[f64]) -> impl Iterator<Item = (f64, f64)> {
         let row: Vec<f64> = self.covariance.iter().map(|row| dot(row, gradient)).collect();
         let step = 2.0 / (self.samples - 1) as f64;
@@ -103,7 +107,8 @@ impl LocalFit {
         })
     }
 
-    /// Variance of the sum of coefficients with the weights `gradient`, from noise of unit variance.
+    /// Variance of the sum of coefficients with the weights `gradient`, from noise of unit
+    /// variance.
     pub(super) fn variance(&self, gradient: &[f64]) -> f64 {
         self.covariance.iter().zip(gradient).map(|(row, g)| g * dot(row, gradient)).sum()
     }
@@ -141,8 +146,9 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// A cubic is its own fit; noise of unit variance gives the middle of `n` points the variance of a Savitzky-Golay filter,
-    /// `3 (3 m^2 + 3 m - 1) / ((2 m - 1)(2 m + 1)(2 m + 3))`, `n = 2 m + 1`.
+    /// A cubic is its own fit; noise of unit variance gives the middle of `n` points the variance
+    /// of a Savitzky-Golay filter, `3 (3 m^2 + 3 m - 1) / ((2 m - 1)(2 m + 1)(2 m + 3))`,
+    /// `n = 2 m + 1`.
     #[test]
     fn a_cubic_is_its_own_fit() {
         let cubic = |t: f64| 1.0 + 2.0 * t - 3.0 * t * t + 0.5 * t * t * t;
@@ -158,7 +164,8 @@ mod tests {
             / ((2.0 * m - 1.0) * (2.0 * m + 1.0) * (2.0 * m + 3.0));
         let gradient = fit.gradient(0, 0.0);
         assert!((fit.variance(&gradient) - gain).abs() < 1e-12);
-        // The value is the samples' sum with their weights, and has the variance of the squared weights.
+        // The value is the samples' sum with their weights, and has the variance of the squared
+        // weights.
         let weighed: Vec<_> = fit.weights(&gradient).collect();
         let sum: f64 = weighed.iter().map(|(weight, value)| weight * value).sum();
         let squares: f64 = weighed.iter().map(|(weight, _)| weight * weight).sum();

@@ -1,9 +1,10 @@
 //! The first pulse in a sampled trace: where it stands out of the noise, how high and wide it is.
 //!
-//! Behind the scope and before [`super::arrival`]: takes the baseline away, undoes the droop where the time constant is known,
-//! turns negative pulses over, and finds the first peak: the first local maximum above a quarter of the largest value, as a run's
-//! summary defines it for the force itself. A maximum counts when the signal falls off behind it by six standard deviations
-//! of the smoothed noise and by 0.5 % of the largest value; shallower ones cannot be told from noise.
+//! Behind the scope and before [`super::arrival`]: takes the baseline away, undoes the droop where
+//! the time constant is known, turns negative pulses over, and finds the first peak: the first
+//! local maximum above a quarter of the largest value, as a run's summary defines it for the force
+//! itself. A maximum counts when the signal falls off behind it by six standard deviations of the
+//! smoothed noise and by 0.5 % of the largest value; shallower ones cannot be told from noise.
 
 use super::pulse_conditions::MIN_PROMINENCE;
 pub use super::pulse_conditions::{Conditions, PEAK_SHARE, PulseError};
@@ -17,7 +18,8 @@ use crate::trace::Trace;
 const MIN_RAW_PROMINENCE: f64 = 8.0;
 /// And by this share of the largest value (1).
 const MIN_DEPTH_SHARE: f64 = 0.005;
-/// Half-width of the smoothing in units of the rise from a quarter of the largest value to the peak (1).
+/// Half-width of the smoothing in units of the rise from a quarter of the largest value to the peak
+/// (1).
 const SMOOTHING: f64 = 1.0 / 6.0;
 
 /// A trace with a pulse, ready to be measured.
@@ -71,7 +73,8 @@ impl Pulse {
             return Err(PulseError::NoPulse { trace: name(), largest: top, noise });
         }
         let drop = |noise: f64| noise.max(MIN_DEPTH_SHARE * top);
-        // A quarter of the largest value may be within the noise: of many samples one passes it by chance.
+        // A quarter of the largest value may be within the noise: of many samples one passes it by
+        // chance.
         let significant = chance_limit(signal.values.len());
         let threshold = |noise: f64| (PEAK_SHARE * top).max(significant * noise);
         let rough =
@@ -111,12 +114,14 @@ impl Pulse {
         LocalFit::of(&self.signal, range, degree)
     }
 
-    /// Variance that noise and rounding give the sum of the coefficients of `fit` with the weights `gradient`.
+    /// Variance that noise and rounding give the sum of the coefficients of `fit` with the weights
+    /// `gradient`.
     pub(super) fn variance(&self, fit: &LocalFit, gradient: &[f64]) -> f64 {
         self.spread(fit, gradient).variance
     }
 
-    /// How noise and rounding distribute the sum of the coefficients of `fit` with the weights `gradient`.
+    /// How noise and rounding distribute the sum of the coefficients of `fit` with the weights
+    /// `gradient`.
     pub(super) fn spread(&self, fit: &LocalFit, gradient: &[f64]) -> Spread {
         let weights: Vec<(f64, f64)> = fit.weights(gradient).collect();
         self.baseline.rounding.spread(&weights)
@@ -127,7 +132,8 @@ impl Pulse {
         self.zero_spread(time).variance
     }
 
-    /// How the signal's zero at `time` (s) is distributed: as the baseline, grown by undoing the droop from its end on.
+    /// How the signal's zero at `time` (s) is distributed: as the baseline, grown by undoing the
+    /// droop from its end on.
     pub(super) fn zero_spread(&self, time: f64) -> Spread {
         let Some(tau) = self.conditions.time_constant else { return self.baseline.spread };
         let after = (time - self.signal.time(self.baseline.end)).max(0.0);
@@ -135,7 +141,8 @@ impl Pulse {
         self.baseline.spread.times(1.0 + after / tau).plus(Spread::normal(walk))
     }
 
-    /// Number of maxima that stand out of what is around them by six standard deviations and by `share` of the largest (1).
+    /// Number of maxima that stand out of what is around them by six standard deviations and by
+    /// `share` of the largest (1).
     pub fn count(&self, share: f64) -> usize {
         let (top, _) = largest(&self.smoothed);
         let drop = (MIN_PROMINENCE * self.smoothed_noise).max(share * top);
@@ -155,8 +162,8 @@ impl Pulse {
     }
 }
 
-/// What normal noise exceeds in one of `samples` samples with a probability of 1 %, in standard deviations: `Q(z) = 0.01/samples`, from the
-/// bound `Q(z) < exp(-z^2/2)/2` (1).
+/// What normal noise exceeds in one of `samples` samples with a probability of 1 %, in standard
+/// deviations: `Q(z) = 0.01/samples`, from the bound `Q(z) < exp(-z^2/2)/2` (1).
 fn chance_limit(samples: usize) -> f64 {
     (2.0 * (50.0 * samples.max(1) as f64).ln()).sqrt()
 }
@@ -168,7 +175,8 @@ fn largest(values: &[f64]) -> (f64, bool) {
     (far.abs(), far < 0.0)
 }
 
-/// First sample at `threshold`, and that of the highest value from there until the values have fallen by `drop`.
+/// First sample at `threshold`, and that of the highest value from there until the values have
+/// fallen by `drop`.
 fn first_maximum(values: &[f64], threshold: f64, drop: f64) -> (usize, usize) {
     let start = values.iter().position(|v| *v >= threshold).unwrap_or(0);
     let (mut at, mut high) = (start, f64::NEG_INFINITY);
@@ -186,8 +194,9 @@ fn smoothing_reach(rise: usize) -> usize {
     (SMOOTHING * rise as f64).round() as usize
 }
 
-/// Savitzky and Golay's quadratic smoothing over `reach` samples on either side, and what is left of white noise (1).
-/// Source: A. Savitzky, M. J. E. Golay, Anal. Chem. 36, 1627 (1964). Beyond the ends the outermost samples stand.
+/// Savitzky and Golay's quadratic smoothing over `reach` samples on either side, and what is left
+/// of white noise (1). Source: A. Savitzky, M. J. E. Golay, Anal. Chem. 36, 1627 (1964). Beyond the
+/// ends the outermost samples stand.
 fn smooth(values: &[f64], reach: usize) -> (Vec<f64>, f64) {
     if reach < 2 {
         return (values.to_vec(), 1.0);

@@ -51,7 +51,8 @@ pub enum PulseError {
     },
 }
 
-/// A maximum must stand out by this many standard deviations: two samples differ by 1.4 of one, and a rise has many (1).
+/// A maximum must stand out by this many standard deviations: two samples differ by 1.4 of one, and
+/// a rise has many (1).
 pub(super) const MIN_PROMINENCE: f64 = 6.0;
 
 /// Fewest samples of a baseline.

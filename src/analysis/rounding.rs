@@ -1,15 +1,21 @@
-//! What rounding to levels does to quantities that many samples make: on quiet scopes rounding errors go together.
+//! What rounding to levels does to quantities that many samples make: on quiet scopes rounding
+//! errors go together.
 //!
-//! A signal `x` with white normal noise `s` before the converter (levels) is shown as `x + e`; over an unknown phase of `x` between levels,
-//! `cov(e_i, e_j) = sum over k of a_k cos(2 pi k (x_i - x_j))`, `a_k = exp(-4 pi^2 k^2 s^2)/(2 pi^2 k^2)`, beside a white rest. Without noise the
-//! sum is `1/12`, from `s` = 0.35 on it is below 0.0004.
-//! Source: B. Widrow, I. Kollár, "Quantization Noise" (Cambridge, 2008), chapters 4 and 5 (characteristic functions); Fourier series of the
-//! sawtooth. Valid for signals that are known to a fraction of a level but for their zero.
+//! A signal `x` with white normal noise `s` before the converter (levels) is shown as `x + e`; over
+//! an unknown phase of `x` between levels,
+//! `cov(e_i, e_j) = sum over k of a_k cos(2 pi k (x_i - x_j))`,
+//! `a_k = exp(-4 pi^2 k^2 s^2)/(2 pi^2 k^2)`, beside a white rest. Without noise the sum is `1/12`,
+//! from `s` = 0.35 on it is below 0.0004. Source: B. Widrow, I. Kollár, "Quantization Noise"
+//! (Cambridge, 2008), chapters 4 and 5 (characteristic functions); Fourier series of the sawtooth.
+//! Valid for signals that are known to a fraction of a level but for their zero.
 //!
-//! Zero `z` and noise of a signal at rest follow from how often each code `k` is shown ([`AtRest`]): it has the probability
-//! `P_k = Phi((k + 1/2 - z)/s) - Phi((k - 1/2 - z)/s)`, and Bayes' rule with even priors of `z` and `ln s` makes of the codes' likelihood a distribution of both. A single
-//! code leaves the zero anywhere within it, but for the noise; two or more tell it to a fraction of the noise. Where the signal crosses levels, its scatter about smooth
-//! curves tells the noise beside ([`MovingScatter`]): `s^2`, and what the curves leave of the rounding error's harmonics.
+//! Zero `z` and noise of a signal at rest follow from how often each code `k` is shown
+//! ([`AtRest`]): it has the probability `P_k = Phi((k + 1/2 - z)/s) - Phi((k - 1/2 - z)/s)`, and
+//! Bayes' rule with even priors of `z` and `ln s` makes of the codes' likelihood a distribution of
+//! both. A single code leaves the zero anywhere within it, but for the noise; two or more tell it
+//! to a fraction of the noise. Where the signal crosses levels, its scatter about smooth curves
+//! tells the noise beside ([`MovingScatter`]): `s^2`, and what the curves leave of the rounding
+//! error's harmonics.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -18,13 +24,15 @@ use crate::quantity::coverage::normal_share;
 
 /// Harmonics of the sawtooth that are followed; what they leave counts as white.
 const HARMONICS: u32 = 24;
-/// What the rounding error alone does to the variance of samples about a cubic, for one degree of freedom: 8,000 simulated ones (levels^4).
+/// What the rounding error alone does to the variance of samples about a cubic, for one degree of
+/// freedom: 8,000 simulated ones (levels^4).
 const WAVE_SPREAD: f64 = 1.0 / 400.0;
 /// Harmonics that are followed where the signal crosses levels (1).
 const SCATTER_HARMONICS: usize = 6;
 /// Harmonics weaker than this variance are left out (1).
 const NEGLIGIBLE: f64 = 1e-7;
-/// Noises that are tried: the lowest (levels), the ratio of neighbours (1) and their number, up to where rounding errors are white.
+/// Noises that are tried: the lowest (levels), the ratio of neighbours (1) and their number, up to
+/// where rounding errors are white.
 const NOISES: (f64, f64, i32) = (0.0015, 1.23, 30);
 /// Zeros that are tried on either side of the codes' mean, and their distance (levels).
 const ZEROS: (i32, f64) = (120, 0.005);
@@ -33,7 +41,8 @@ const ZERO_STEP: f64 = 0.04;
 /// Least probability of a code: the normal distribution's own error (1).
 const LEAST_PROBABILITY: f64 = 1e-7;
 
-/// Probability that a signal `below` levels above a code's middle is shown as that code, for `noise` (levels) (1).
+/// Probability that a signal `below` levels above a code's middle is shown as that code, for
+/// `noise` (levels) (1).
 fn probability(below: f64, noise: f64) -> f64 {
     let share = normal_share((0.5 - below) / noise) - normal_share((-0.5 - below) / noise);
     share.max(LEAST_PROBABILITY)
@@ -55,7 +64,8 @@ pub struct MovingScatter {
 }
 
 impl MovingScatter {
-    /// Of rounded `values` about a `curve` (levels); `leave` gives the sum of squares that curves of its kind leave of some values.
+    /// Of rounded `values` about a `curve` (levels); `leave` gives the sum of squares that curves
+    /// of its kind leave of some values.
     pub fn of(values: &[f64], curve: &[f64], freedom: f64, leave: &dyn Fn(&[f64]) -> f64) -> Self {
         let wave = |index: usize| {
             let k = 2.0 * PI * (index + 1) as f64;
@@ -75,8 +85,10 @@ impl MovingScatter {
         }
     }
 
-    /// Logarithm of its likelihood for `noise` in levels. The rounding error's first harmonics follow the signal, what is left is white. A variance of normal noise scatters by
-    /// `2 s^4`; between noise and rounding by `s^2/3`, times 12/8 since curves leave of the waves what they leave of no noise.
+    /// Logarithm of its likelihood for `noise` in levels. The rounding error's first harmonics
+    /// follow the signal, what is left is white. A variance of normal noise scatters by `2 s^4`;
+    /// between noise and rounding by `s^2/3`, times 12/8 since curves leave of the waves what they
+    /// leave of no noise.
     fn likelihood(&self, noise: f64) -> f64 {
         if self.freedom <= 0.0 {
             return 0.0;
@@ -126,7 +138,8 @@ pub struct PossibleZero {
 }
 
 impl AtRest {
-    /// From rounded `values` `level` apart (unit); elsewhere the signal's samples have the scatter `moving`.
+    /// From rounded `values` `level` apart (unit); elsewhere the signal's samples have the scatter
+    /// `moving`.
     pub fn of(values: &[f64], level: f64, moving: MovingScatter) -> Self {
         let mut codes: BTreeMap<i64, f64> = BTreeMap::new();
         let origin = values.first().copied().unwrap_or(0.0);
@@ -169,7 +182,8 @@ impl AtRest {
         self.origin + self.level * self.zero
     }
 
-    /// How far the zero may be off: where nothing tells the noise, a single code says no more than that the zero lies somewhere in it.
+    /// How far the zero may be off: where nothing tells the noise, a single code says no more than
+    /// that the zero lies somewhere in it.
     pub fn spread(&self) -> Spread {
         if self.is_noise_unknown {
             let variance = self.level.powi(2) / 12.0;
@@ -206,7 +220,8 @@ impl AtRest {
         bins.values().map(one).collect()
     }
 
-    /// By how much samples of `signal` above the zero (unit) are shown too high on average, where the zero is that one (unit).
+    /// By how much samples of `signal` above the zero (unit) are shown too high on average, where
+    /// the zero is that one (unit).
     pub fn shown_too_high(&self, zero: &PossibleZero, signal: f64) -> f64 {
         let x = self.zero + (zero.off + signal) / self.level;
         let whole = x.floor();
@@ -287,8 +302,8 @@ impl Rounding {
         self.harmonics().map(|(_, variance)| variance).sum()
     }
 
-    /// Distribution of `sum of weights x errors` over samples of `signal`, each with its weight; harmonic by harmonic, each a sine of an unknown phase, and the rest
-    /// white (V^2).
+    /// Distribution of `sum of weights x errors` over samples of `signal`, each with its weight;
+    /// harmonic by harmonic, each a sine of an unknown phase, and the rest white (V^2).
     pub fn spread(&self, samples: &[(f64, f64)]) -> Spread {
         let squares: f64 = samples.iter().map(|(weight, _)| weight * weight).sum();
         let white = (self.sample().powi(2) - self.common()).max(0.0);
@@ -316,7 +331,8 @@ mod tests {
 
     use super::*;
 
-    /// Zeros of signals at rest, anywhere between two levels: intervals of 95 % hold them, whatever the noise.
+    /// Zeros of signals at rest, anywhere between two levels: intervals of 95 % hold them, whatever
+    /// the noise.
     #[test]
     fn zeros_of_signals_at_rest_are_as_certain_as_said() {
         let mut numbers = Pcg64::new(3, 9);
@@ -340,7 +356,8 @@ mod tests {
         }
     }
 
-    /// Means and slopes of rounded samples scatter as said: 4000 draws of the phase for a signal at rest and for a slow ramp.
+    /// Means and slopes of rounded samples scatter as said: 4000 draws of the phase for a signal at
+    /// rest and for a slow ramp.
     #[test]
     fn sums_of_rounded_samples_scatter_as_said() {
         let mut numbers = Pcg64::new(3, 5);
@@ -361,7 +378,8 @@ mod tests {
                     };
                     squares += (0..count).map(error).sum::<f64>().powi(2);
                 }
-                // Variances from 4000 draws are good to 2.2 %; distributions with flat tops to less.
+                // Variances from 4000 draws are good to 2.2 %; distributions with flat tops to
+                // less.
                 let ratio = squares / 4000.0 / said;
                 assert!((ratio - 1.0).abs() < 0.1, "noise {noise} slope {slope}: {ratio}");
             }

@@ -1,34 +1,44 @@
 //! Amplitude spectra.
 //!
-//! Stands behind `recording` and `experiment`: a [`Trace`] in, amplitudes over frequency out. Two conventions:
+//! Stands behind `recording` and `experiment`: a [`Trace`] in, amplitudes over frequency out. Two
+//! conventions:
 //!
-//! - The paper's: `C[k] = |X[k]| / M`, `X[k] = sum over j from 0 to N - 1 of x[j] exp(-2 pi i j k/N)`, at `f[k] = k/(N dt)`.
-//!   `M` is the number of samples of the record inside the gate, spaced `dt`; `N = padding M` its length after zeros were put
-//!   behind it, 5 times as long in the paper. Only the coefficients of positive frequencies are kept, and not doubled: `C[0]` is
-//!   the mean over the record, and a lasting sine of amplitude `A` makes a line `A/2` high. A pulse's coefficients fall as the
-//!   record gets longer, since `M` counts the silence behind it too: only records of one length may be compared.
-//!   With a window `w` other than the rectangular one, `M` becomes `sum of w`, so that lines keep their height.
-//!   Source: Herbold et al. (2009), Eq. (11) and the text below it; in that equation indices count from 1.
-//! - The density: `S[k] = sqrt(c dt / sum of w^2) |X[k]|`, `c = 2` except at zero and at half the sampling frequency, where it
-//!   is 1: the root of the one-sided power spectral density. `sum of S[k]^2 / (N dt)` is the mean square of the windowed record
-//!   (Parseval). Noise keeps its height whatever the record's length; lines grow with its root.
-//!   Source: G. Heinzel, A. Ruediger, R. Schilling, MPI report (2002), Eqs (23) and (24).
+//! - The paper's: `C[k] = |X[k]| / M`,
+//!   `X[k] = sum over j from 0 to N - 1 of x[j] exp(-2 pi i j k/N)`, at `f[k] = k/(N dt)`. `M` is
+//!   the number of samples of the record inside the gate, spaced `dt`; `N = padding M` its length
+//!   after zeros were put behind it, 5 times as long in the paper. Only the coefficients of
+//!   positive frequencies are kept, and not doubled: `C[0]` is the mean over the record, and a
+//!   lasting sine of amplitude `A` makes a line `A/2` high. A pulse's coefficients fall as the
+//!   record gets longer, since `M` counts the silence behind it too: only records of one length may
+//!   be compared. With a window `w` other than the rectangular one, `M` becomes `sum of w`, so that
+//!   lines keep their height. Source: Herbold et al. (2009), Eq. (11) and the text below it; in
+//!   that equation indices count from 1.
+//! - The density: `S[k] = sqrt(c dt / sum of w^2) |X[k]|`, `c = 2` except at zero and at half the
+//!   sampling frequency, where it is 1: the root of the one-sided power spectral density.
+//!   `sum of S[k]^2 / (N dt)` is the mean square of the windowed record (Parseval). Noise keeps its
+//!   height whatever the record's length; lines grow with its root. Source: G. Heinzel, A.
+//!   Ruediger, R. Schilling, MPI report (2002), Eqs (23) and (24).
 //!
-//! Valid below half the sampling frequency; what the signal holds above that is folded down and cannot be told apart.
+//! Valid below half the sampling frequency; what the signal holds above that is folded down and
+//! cannot be told apart.
 //!
 //! Windows: what a record is multiplied with before it is transformed.
 //!
-//! A record cut out of a longer signal has ends that do not meet; a window takes them to zero, and pays with wider lines.
-//! All windows here are periodic cosine sums, `w[i] = sum over j of (-1)^j a[j] cos(2 pi j i/M)`, `i` from 0 to `M - 1`.
-//! Source: F. J. Harris, Proc. IEEE 66, 51 (1978); flat top: G. Heinzel, A. Ruediger, R. Schilling, MPI report (2002), the
-//! five-term window that Matlab and `SciPy` call `flattop`. Valid for any record of at least two samples.
+//! A record cut out of a longer signal has ends that do not meet; a window takes them to zero, and
+//! pays with wider lines. All windows here are periodic cosine sums,
+//! `w[i] = sum over j of (-1)^j a[j] cos(2 pi j i/M)`, `i` from 0 to `M - 1`. Source: F. J. Harris,
+//! Proc. IEEE 66, 51 (1978); flat top: G. Heinzel, A. Ruediger, R. Schilling, MPI report (2002),
+//! the five-term window that Matlab and `SciPy` call `flattop`. Valid for any record of at least
+//! two samples.
 //!
-//! The lines of a spectrum: local maxima, each the top of a parabola through the logarithms of three bins.
+//! The lines of a spectrum: local maxima, each the top of a parabola through the logarithms of
+//! three bins.
 //!
-//! With `a`, `b`, `c` the logarithms around the highest bin `k`: `f = (k + s) / (N dt)`, `s = (a - c) / (2 (a - 2 b + c))`, height
-//! `exp(b - (a - c) s / 4)`. Source: J. O. Smith, X. Serra, Proc. Int. Computer Music Conf. (1987). Exact for lines
-//! of Gaussian shape, and the closer for others the more the record is padded; valid for lines by themselves, more than a main
-//! lobe apart.
+//! With `a`, `b`, `c` the logarithms around the highest bin `k`: `f = (k + s) / (N dt)`,
+//! `s = (a - c) / (2 (a - 2 b + c))`, height `exp(b - (a - c) s / 4)`. Source: J. O. Smith, X.
+//! Serra, Proc. Int. Computer Music Conf. (1987). Exact for lines of Gaussian shape, and the closer
+//! for others the more the record is padded; valid for lines by themselves, more than a main lobe
+//! apart.
 
 use std::f64::consts::TAU;
 use std::fmt;
@@ -158,7 +168,8 @@ pub struct Spectrum {
     pub amplitude: Vec<f64>,
 }
 
-/// Makes spectra; keeps what it has worked out for a record's length, so one of them serves for many records.
+/// Makes spectra; keeps what it has worked out for a record's length, so one of them serves for
+/// many records.
 #[derive(Default)]
 pub struct Analyser {
     planner: RealFftPlanner<f64>,
@@ -173,7 +184,8 @@ impl Analyser {
     /// The spectrum of `trace`.
     ///
     /// # Errors
-    /// [`SpectrumError`] for fewer than two samples in the gate, samples that are no numbers, a padding of zero.
+    /// [`SpectrumError`] for fewer than two samples in the gate, samples that are no numbers, a
+    /// padding of zero.
     pub fn spectrum(
         &mut self,
         trace: &Trace,
@@ -274,12 +286,14 @@ impl Spectrum {
 /// A window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Window {
-    /// None: the samples as they are, as the paper takes them. Right for pulses that end before the record does.
+    /// None: the samples as they are, as the paper takes them. Right for pulses that end before the
+    /// record does.
     #[default]
     Rectangular,
     /// Raised cosine: for lines close to each other in a signal that goes on.
     Hann,
-    /// Flat top: reads a line's height to 0.05 %, wherever it falls between bins, and blurs it over ten of them.
+    /// Flat top: reads a line's height to 0.05 %, wherever it falls between bins, and blurs it over
+    /// ten of them.
     FlatTop,
 }
 
@@ -334,9 +348,11 @@ impl fmt::Display for Window {
     }
 }
 
-/// The first side lobe of a rectangular window has 0.217 of its line's amplitude, those of the others less (1).
+/// The first side lobe of a rectangular window has 0.217 of its line's amplitude, those of the
+/// others less (1).
 const MAX_SIDE_LOBE: f64 = 0.25;
-/// Side lobes reach this much farther than the main lobe before they are low enough, in resolutions (1).
+/// Side lobes reach this much farther than the main lobe before they are low enough, in resolutions
+/// (1).
 const SIDE_LOBES: f64 = 1.0;
 
 /// A local maximum of a spectrum.
@@ -344,8 +360,9 @@ const SIDE_LOBES: f64 = 1.0;
 pub struct SpectralPeak {
     /// Where it is, interpolated between bins (Hz).
     pub frequency: f64,
-    /// Bound of its error for a line by itself, anywhere within which the line may be: the bin width, and the resolution for the flat top
-    /// window, whose lines have no point on top. Lines closer than the resolution pull each other (Hz).
+    /// Bound of its error for a line by itself, anywhere within which the line may be: the bin
+    /// width, and the resolution for the flat top window, whose lines have no point on top. Lines
+    /// closer than the resolution pull each other (Hz).
     pub bound: f64,
     /// How high it is, interpolated between bins (unit).
     pub amplitude: f64,
@@ -361,8 +378,9 @@ impl SpectralPeak {
 }
 
 impl Spectrum {
-    /// Local maxima higher than `share` of the highest, highest first. What stands within the main lobe of a higher one, or is as small as
-    /// a side lobe beside it, is taken for part of it; zero frequency and half the sampling frequency are no maxima.
+    /// Local maxima higher than `share` of the highest, highest first. What stands within the main
+    /// lobe of a higher one, or is as small as a side lobe beside it, is taken for part of it; zero
+    /// frequency and half the sampling frequency are no maxima.
     pub fn peaks(&self, share: f64) -> Vec<SpectralPeak> {
         let mut found: Vec<SpectralPeak> = (1..self.amplitude.len().saturating_sub(1))
             .filter_map(|bin| self.peak_at(bin))
@@ -393,7 +411,8 @@ impl Spectrum {
         heights.max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// The maximum at `bin`, if there is one: the top of the parabola through the logarithms of three bins.
+    /// The maximum at `bin`, if there is one: the top of the parabola through the logarithms of
+    /// three bins.
     fn peak_at(&self, bin: usize) -> Option<SpectralPeak> {
         let below = *self.amplitude.get(bin.checked_sub(1)?)?;
         let here = *self.amplitude.get(bin)?;

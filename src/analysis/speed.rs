@@ -1,15 +1,17 @@
 //! How fast a pulse travels from sensor to sensor, and how it fades.
 //!
-//! Speed `v = d/(t2 - t1)`, `(u_v/v)^2 = (u_d/d)^2 + (u_1^2 + u_2^2)/(t2 - t1)^2`: distance and arrivals independent of each other.
-//! Decay: `A(x) = A0 exp(-g x)`, `g` from a straight line through `ln A`, each weighted with `(A/u_A)^2`.
-//! Propagation: JCGM 100:2008, Eq. (10); line: W. H. Press et al., Numerical Recipes (2007), Eq. (15.2.6). Valid for uncertainties
-//! far below the values; amplitudes of one line must come from hosts of one kind, since a plate in a steel cylinder feels
-//! 0.69 of what one in a PTFE sphere feels of the same pulse.
+//! Speed `v = d/(t2 - t1)`, `(u_v/v)^2 = (u_d/d)^2 + (u_1^2 + u_2^2)/(t2 - t1)^2`: distance and
+//! arrivals independent of each other. Decay: `A(x) = A0 exp(-g x)`, `g` from a straight line
+//! through `ln A`, each weighted with `(A/u_A)^2`. Propagation: JCGM 100:2008, Eq. (10); line: W.
+//! H. Press et al., Numerical Recipes (2007), Eq. (15.2.6). Valid for uncertainties far below the
+//! values; amplitudes of one line must come from hosts of one kind, since a plate in a steel
+//! cylinder feels 0.69 of what one in a PTFE sphere feels of the same pulse.
 
 use crate::numeric::statistics::StraightLine;
 use crate::quantity::Uncertain;
 
-/// Speed over `distance` (m) between two arrivals (s), in m/s; none where the second is not later or earlier than the first.
+/// Speed over `distance` (m) between two arrivals (s), in m/s; none where the second is not later
+/// or earlier than the first.
 pub fn speed(distance: Uncertain, from: Uncertain, to: Uncertain) -> Option<Uncertain> {
     let time = to.value - from.value;
     let of_time = from.u.hypot(to.u);
@@ -24,8 +26,8 @@ pub fn speed_over(distance: Uncertain, time: Uncertain) -> Option<Uncertain> {
     (found.value.is_finite() && found.u.is_finite()).then_some(found)
 }
 
-/// Decay constant `g` of amplitudes at their positions (m), in 1/m, positive where they fall; none for fewer than two positions or
-/// amplitudes that are not positive.
+/// Decay constant `g` of amplitudes at their positions (m), in 1/m, positive where they fall; none
+/// for fewer than two positions or amplitudes that are not positive.
 pub fn decay(amplitudes: &[(f64, Uncertain)]) -> Option<Uncertain> {
     if amplitudes.iter().any(|(_, amplitude)| amplitude.value <= 0.0) {
         return None;

@@ -1,8 +1,9 @@
 //! How a signal's spectrum changes with time: short pieces of it, one after the other.
 //!
-//! Piece `p` holds `segment` samples from sample `p hop` on; its time is that of its middle. A piece of `segment dt` seconds tells
-//! frequencies `1/(segment dt)` apart and times `segment dt` apart, and no choice of it gives both: their product is 1.
-//! Source: J. B. Allen, L. R. Rabiner, Proc. IEEE 65, 1558 (1977). Valid while the signal changes little within a piece.
+//! Piece `p` holds `segment` samples from sample `p hop` on; its time is that of its middle. A
+//! piece of `segment dt` seconds tells frequencies `1/(segment dt)` apart and times `segment dt`
+//! apart, and no choice of it gives both: their product is 1. Source: J. B. Allen, L. R. Rabiner,
+//! Proc. IEEE 65, 1558 (1977). Valid while the signal changes little within a piece.
 
 use super::gate::Gate;
 use super::spectrum::{Analyser, LARGEST_TRANSFORM, Spectrum, SpectrumError, SpectrumSettings};
@@ -21,12 +22,13 @@ pub struct Pieces {
 const PIECES_PER_RECORD: usize = 16;
 /// They move on by this part of themselves.
 const HOPS_PER_PIECE: usize = 32;
-/// Width of the Hann window's main lobe, in `1/(segment dt)`. Source: F. J. Harris, Proc. IEEE 66, 51 (1978), Table 1.
+/// Width of the Hann window's main lobe, in `1/(segment dt)`. Source: F. J. Harris, Proc. IEEE 66,
+/// 51 (1978), Table 1.
 const HANN_LOBE_WIDTH: f64 = 4.0;
 
 impl Pieces {
-    /// Pieces of a record of `samples` at `interval` (s): a sixteenth of it, or as long as it takes for a line to be no wider than `gap` (Hz),
-    /// a chain's band gap, where there is one.
+    /// Pieces of a record of `samples` at `interval` (s): a sixteenth of it, or as long as it takes
+    /// for a line to be no wider than `gap` (Hz), a chain's band gap, where there is one.
     pub fn of_record(samples: usize, interval: f64, gap: Option<f64>) -> Self {
         let for_gap = gap
             .filter(|gap| *gap > 0.0)
@@ -75,7 +77,8 @@ impl Spectrogram {
     /// Cuts the gated part of `trace` into `pieces` and transforms each.
     ///
     /// # Errors
-    /// [`SpectrogramError`] for pieces that do not fit or do not move on, and as [`Analyser::spectrum`].
+    /// [`SpectrogramError`] for pieces that do not fit or do not move on, and as
+    /// [`Analyser::spectrum`].
     pub fn of(
         analyser: &mut Analyser,
         trace: &Trace,
@@ -112,7 +115,8 @@ impl Spectrogram {
         Ok(spectrogram)
     }
 
-    /// Where each column is highest between two frequencies (Hz), interpolated between bins; none where no maximum lies there (Hz).
+    /// Where each column is highest between two frequencies (Hz), interpolated between bins; none
+    /// where no maximum lies there (Hz).
     pub fn ridge(&self, low: f64, high: f64) -> Vec<Option<f64>> {
         let top = |column: &Spectrum| {
             let peaks = column.peaks(0.0).into_iter();

@@ -1,11 +1,14 @@
-//! How one signal follows another: transfer function and coherence, averaged over segments and shots.
+//! How one signal follows another: transfer function and coherence, averaged over segments and
+//! shots.
 //!
-//! With the spectra `X`, `Y` of each segment, its mean taken out and windowed, and means over all `n` segments:
-//! `P_xx = <|X|^2>`, `P_yy = <|Y|^2>`, `P_xy = <X* Y>`; transfer function `H = P_xy/P_xx`, coherence `g2 = |P_xy|^2/(P_xx P_yy)`, the share of the power of `y` that
-//! follows `x` linearly. Standard uncertainty of `|H|`: `|H| sqrt((1 - g2)/(2 n g2))`; without any relation `g2` is `1/n` on average, and above
-//! `1 - 0.05^(1/(n - 1))` in 5 % of all cases. Segments do not overlap, so that they are independent.
-//! Sources: P. D. Welch, IEEE Trans. Audio Electroacoust. 15, 70 (1967); J. S. Bendat, A. G. Piersol, "Random Data", 4th ed. (2010), sections 9.2 and 11.5. Valid
-//! for segments longer than the delay from `x` to `y`.
+//! With the spectra `X`, `Y` of each segment, its mean taken out and windowed, and means over all
+//! `n` segments: `P_xx = <|X|^2>`, `P_yy = <|Y|^2>`, `P_xy = <X* Y>`; transfer function
+//! `H = P_xy/P_xx`, coherence `g2 = |P_xy|^2/(P_xx P_yy)`, the share of the power of `y` that
+//! follows `x` linearly. Standard uncertainty of `|H|`: `|H| sqrt((1 - g2)/(2 n g2))`; without any
+//! relation `g2` is `1/n` on average, and above `1 - 0.05^(1/(n - 1))` in 5 % of all cases.
+//! Segments do not overlap, so that they are independent. Sources: P. D. Welch, IEEE Trans. Audio
+//! Electroacoust. 15, 70 (1967); J. S. Bendat, A. G. Piersol, "Random Data", 4th ed. (2010),
+//! sections 9.2 and 11.5. Valid for segments longer than the delay from `x` to `y`.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -250,8 +253,9 @@ mod tests {
     const SETTINGS: TransferSettings =
         TransferSettings { segments: 10, window: Window::Hann, gate: Gate::ALL };
 
-    /// White noise through `y[i] = a y[i - 1] + (1 - a) x[i]`, with noise of its own behind it: `H = (1 - a)/(1 - a exp(-i w))`, and the coherence is the
-    /// share of the filtered noise's power.
+    /// White noise through `y[i] = a y[i - 1] + (1 - a) x[i]`, with noise of its own behind it:
+    /// `H = (1 - a)/(1 - a exp(-i w))`, and the coherence is the share of the filtered noise's
+    /// power.
     #[test]
     fn a_filter_comes_out_and_so_does_its_coherence() {
         let mut numbers = Pcg64::new(7, 1);
@@ -281,12 +285,14 @@ mod tests {
             assert!((bin.coherence - coherence).abs() < 0.12, "{bin:?} {coherence}");
             assert!((bin.phase - h.arg()).abs() < 0.25, "{bin:?} {}", h.arg());
         }
-        // Squares of normal numbers: 1 within a fifth for 116 bins, neighbours of which go together.
+        // Squares of normal numbers: 1 within a fifth for 116 bins, neighbours of which go
+        // together.
         let variance: f64 = off / count;
         assert!((0.7..1.4).contains(&variance), "{variance}");
     }
 
-    /// Noise that has nothing to do with noise: `1/n` on average, and 5 % of the bins above the limit of chance.
+    /// Noise that has nothing to do with noise: `1/n` on average, and 5 % of the bins above the
+    /// limit of chance.
     #[test]
     fn independent_noise_has_a_coherence_of_one_over_n() {
         let mut numbers = Pcg64::new(7, 2);

@@ -1,11 +1,14 @@
 //! Which wave each frequency travels as: wavenumbers of the same contact in cell after cell.
 //!
-//! The rows `x_n(t)` of one quantity at equal places of successive cells are multiplied with Hann's window over time and over cells and
-//! transformed over both, `X(f, phi) = sum w_n w_t x_n(t) exp(-2 pi i f t + i phi n)`: a wave `cos(2 pi f t - phi n)`, which runs
-//! toward higher `n`, is a maximum at `phi`, one that comes back a maximum at `-phi`. At each frequency, `1/T` apart, the highest
-//! maximum of either direction is a line if it stands out of the whole plane. Frequencies are told apart at `1/T`, phases at
-//! `2 pi/cells`; Hann's window doubles both. Source: D. Alleyne, P. Cawley, J. Acoust. Soc. Am. 89, 1159 (1991).
-//! Valid for waves that fill many cells; where a signal decays over a few, as in a band gap, there is no wavenumber to be found.
+//! The rows `x_n(t)` of one quantity at equal places of successive cells are multiplied with Hann's
+//! window over time and over cells and transformed over both,
+//! `X(f, phi) = sum w_n w_t x_n(t) exp(-2 pi i f t + i phi n)`: a wave `cos(2 pi f t - phi n)`,
+//! which runs toward higher `n`, is a maximum at `phi`, one that comes back a maximum at `-phi`. At
+//! each frequency, `1/T` apart, the highest maximum of either direction is a line if it stands out
+//! of the whole plane. Frequencies are told apart at `1/T`, phases at `2 pi/cells`; Hann's window
+//! doubles both. Source: D. Alleyne, P. Cawley, J. Acoust. Soc. Am. 89, 1159 (1991). Valid for
+//! waves that fill many cells; where a signal decays over a few, as in a band gap, there is no
+//! wavenumber to be found.
 
 use std::f64::consts::{PI, TAU};
 
@@ -50,7 +53,8 @@ pub struct SpectralLine {
     pub frequency: f64,
     /// Phase from one cell to the next, `k a`, between 0 and pi (rad).
     pub phase: f64,
-    /// Whether its phase runs toward higher cells; its energy does so as well on the acoustic branch, and the other way on the optical one.
+    /// Whether its phase runs toward higher cells; its energy does so as well on the acoustic
+    /// branch, and the other way on the optical one.
     pub onward: bool,
     /// Height over the highest of the plane (1).
     pub height: f64,
@@ -67,8 +71,8 @@ pub struct SpectralLines {
     pub phase_resolution: f64,
 }
 
-/// Waves up to `highest` (Hz) that reach `least` of the highest (1), in rows sampled every `interval` (s), one a cell, without their
-/// static part.
+/// Waves up to `highest` (Hz) that reach `least` of the highest (1), in rows sampled every
+/// `interval` (s), one a cell, without their static part.
 ///
 /// # Errors
 /// [`WavenumberError`] for fewer than 8 cells or 16 samples, and for values that are no numbers.
@@ -147,7 +151,8 @@ fn over_cells(spectra: &[Vec<Complex<f64>>], bin: usize, turns: &[Complex<f64>])
     (0..turns.len()).map(at).collect()
 }
 
-/// The highest maximum of one direction: its place between the samples, by a parabola through logarithms, and its height.
+/// The highest maximum of one direction: its place between the samples, by a parabola through
+/// logarithms, and its height.
 fn highest_of(heights: &[f64], onward: bool) -> Option<(f64, f64)> {
     let count = heights.len();
     let half = count / 2;

@@ -53,7 +53,8 @@ impl Contact {
         }
     }
 
-    /// The contact when its overlap has grown by `change` (m) over the static one and grows by `closing` (m/s).
+    /// The contact when its overlap has grown by `change` (m) over the static one and grows by
+    /// `closing` (m/s).
     pub fn touch(&self, change: f64, closing: f64, closed: bool) -> Touch {
         self.touched(self.force_change(change), change, closing, closed)
     }
@@ -108,8 +109,8 @@ impl Contact {
         }
     }
 
-    /// Elastic energy above the static one less the work that the static force did: what a change of the overlap by `change` (m)
-    /// has cost; exact to rounding however small the change (J).
+    /// Elastic energy above the static one less the work that the static force did: what a change
+    /// of the overlap by `change` (m) has cost; exact to rounding however small the change (J).
     ///
     /// With `s` and `r` the square roots of the present and the static overlap it is
     /// `A (s - r)^2 (2/5 s^3 + 4/5 s^2 r + 6/5 s r^2 + 3/5 r^3)` while closed.

@@ -1,9 +1,10 @@
 //! Where the chain's energy is.
 //!
-//! Kinetic `sum m v^2/2`, elastic `sum 2/5 A overlap^2.5`, and what the loads' work has to come from, each apart: gravity `- g sum m u`,
-//! the magnet `- F u`, or the field's own energy where its force follows the particle, and forces that press on the ends. All but
-//! the elastic energy are zero at static equilibrium. A wall does not move, so its preload does no work. The sum is conserved
-//! without losses.
+//! Kinetic `sum m v^2/2`, elastic `sum 2/5 A overlap^2.5`, and what the loads' work has to come
+//! from, each apart: gravity `- g sum m u`, the magnet `- F u`, or the field's own energy where its
+//! force follows the particle, and forces that press on the ends. All but the elastic energy are
+//! zero at static equilibrium. A wall does not move, so its preload does no work. The sum is
+//! conserved without losses.
 
 use serde::Serialize;
 
@@ -21,7 +22,8 @@ pub struct Energy {
     pub gravity: f64,
     /// Of the magnet: less the work it has done since static equilibrium (J).
     pub magnet: f64,
-    /// Of forces that press on the chain's ends: less the work they have done since static equilibrium (J).
+    /// Of forces that press on the chain's ends: less the work they have done since static
+    /// equilibrium (J).
     pub end_forces: f64,
 }
 
@@ -41,8 +43,8 @@ impl Chain {
         at(j.checked_sub(1)) - at(Some(j))
     }
 
-    /// Force in contact `j` at these displacements (m) and velocities (m/s), static part and losses included; `closed`
-    /// tells whether it counts as closed (N).
+    /// Force in contact `j` at these displacements (m) and velocities (m/s), static part and losses
+    /// included; `closed` tells whether it counts as closed (N).
     pub fn contact_force(&self, position: &[f64], velocity: &[f64], j: usize, closed: bool) -> f64 {
         self.contacts.get(j).map_or(0.0, |contact| {
             let change = self.overlap_change(position, j);
@@ -69,7 +71,8 @@ impl Chain {
         }
     }
 
-    /// Energy of `state` above that of static equilibrium, without the digits that the two share (J).
+    /// Energy of `state` above that of static equilibrium, without the digits that the two share
+    /// (J).
     pub fn energy_above_static(&self, state: &State) -> f64 {
         let kinetic = self.bodies.iter().zip(&state.velocity).map(|(b, v)| 0.5 * b.mass * v * v);
         let elastic = self.contacts.iter().enumerate().filter(|(_, c)| c.stiffness > 0.0);

@@ -1,4 +1,5 @@
-//! Errors of building a chain: the scene loader's, and those of whatever computes the static equilibrium.
+//! Errors of building a chain: the scene loader's, and those of whatever computes the static
+//! equilibrium.
 
 use crate::quantity::engineering;
 
@@ -40,7 +41,8 @@ pub enum ChainError {
         /// The body below the contact.
         body: String,
     },
-    /// A linearised contact never opens; a loss in it would act in tension, too, which the loss models do not describe.
+    /// A linearised contact never opens; a loss in it would act in tension, too, which the loss
+    /// models do not describe.
     #[error(
         "the contact above {body} is linearised and has a loss: switch off effects.linearised_contacts or the loss"
     )]
@@ -71,7 +73,8 @@ pub enum ChainError {
         "the magnet's distance is given before loading, but without a wall at the bottom the displacement under load is unknown: add a wall, or give the distance at rest"
     )]
     MagnetWithoutWall,
-    /// At every displacement the magnet's attraction exceeds the chain's elastic force, or there is no attraction.
+    /// At every displacement the magnet's attraction exceeds the chain's elastic force, or there is
+    /// no attraction.
     #[error(
         "no static equilibrium: a magnet {} from the particle (before loading) pulls it in, or does not attract it; choose another distance",
         engineering(*distance, "m", 4)

@@ -1,9 +1,10 @@
 //! Hertz's contact between two smooth elastic bodies, as pure functions.
 //!
 //! `F = A overlap^1.5` while the bodies overlap, 0 otherwise, with `A = 4/3 Estar sqrt(Rstar)`,
-//! `1/Estar = (1 - nu1^2)/E1 + (1 - nu2^2)/E2`, `1/Rstar = 1/R1 + 1/R2` (flat: `1/R = 0`).
-//! Source: H. Hertz, J. reine angew. Math. 92, 156 (1882); as Eqs. (1) and (2) of Herbold et al. (2009).
-//! Valid for small, smooth, frictionless, elastic contacts that are slow against the bodies' own vibrations.
+//! `1/Estar = (1 - nu1^2)/E1 + (1 - nu2^2)/E2`, `1/Rstar = 1/R1 + 1/R2` (flat: `1/R = 0`). Source:
+//! H. Hertz, J. reine angew. Math. 92, 156 (1882); as Eqs. (1) and (2) of Herbold et al. (2009).
+//! Valid for small, smooth, frictionless, elastic contacts that are slow against the bodies' own
+//! vibrations.
 
 use serde::Serialize;
 
@@ -23,19 +24,19 @@ impl Elasticity {
     }
 }
 
-/// Stiffness `A` of the contact of two bodies with the given elasticities and curvatures `1/R` (1/m), in
-/// `F = A overlap^1.5`; infinite for flat on flat, which is no Hertz contact (N/m^1.5).
+/// Stiffness `A` of the contact of two bodies with the given elasticities and curvatures `1/R`
+/// (1/m), in `F = A overlap^1.5`; infinite for flat on flat, which is no Hertz contact (N/m^1.5).
 pub fn stiffness(upper: (Elasticity, f64), lower: (Elasticity, f64)) -> f64 {
     let reduced_modulus = 1.0 / (upper.0.compliance() + lower.0.compliance());
     let reduced_radius = 1.0 / (upper.1 + lower.1);
     4.0 / 3.0 * reduced_modulus * reduced_radius.sqrt()
 }
 
-/// Force at which the softer body begins to yield below the surface: `pi^3 R^2 p0^3 / (6 Estar^2)`, `p0 = 1.6 Y`, `Y` its `yield_strength`
-/// (Pa) in slow uniaxial loading (N).
+/// Force at which the softer body begins to yield below the surface: `pi^3 R^2 p0^3 / (6 Estar^2)`,
+/// `p0 = 1.6 Y`, `Y` its `yield_strength` (Pa) in slow uniaxial loading (N).
 ///
-/// Source: K. L. Johnson, Contact Mechanics (1985), section 6.1; 1.6 holds for Poisson's ratio 0.3 and rises by a tenth
-/// towards 0.5. Materials that creep yield later in short impacts.
+/// Source: K. L. Johnson, Contact Mechanics (1985), section 6.1; 1.6 holds for Poisson's ratio 0.3
+/// and rises by a tenth towards 0.5. Materials that creep yield later in short impacts.
 pub fn first_yield(upper: (Elasticity, f64), lower: (Elasticity, f64), yield_strength: f64) -> f64 {
     let reduced_modulus = 1.0 / (upper.0.compliance() + lower.0.compliance());
     let reduced_radius = 1.0 / (upper.1 + lower.1);
@@ -55,10 +56,11 @@ pub fn overlap(stiffness: f64, force: f64) -> f64 {
     root * root
 }
 
-/// The cube root of `value >= 0`, to rounding. `f64::cbrt` asks the processor first what it can do, in six instructions `CPUID`: where it is a
-/// virtual one, 3.7 us each.
+/// The cube root of `value >= 0`, to rounding. `f64::cbrt` asks the processor first what it can do,
+/// in six instructions `CPUID`: where it is a virtual one, 3.7 us each.
 fn cube_root(value: f64) -> f64 {
-    // The exponent is a rounded third: one step of Newton's method takes that back, as far as the cube is exact.
+    // The exponent is a rounded third: one step of Newton's method takes that back, as far as the
+    // cube is exact.
     let root = value.powf(1.0 / 3.0);
     let (square, lost) = product(root, root);
     let (cube, lost_last) = product(square, root);
@@ -67,7 +69,8 @@ fn cube_root(value: f64) -> f64 {
     if better.is_finite() { better } else { root }
 }
 
-/// `a b`, and what rounding took from it: the two add up to it. Source: T. J. Dekker, Numer. Math. 18, 224 (1971).
+/// `a b`, and what rounding took from it: the two add up to it. Source: T. J. Dekker, Numer. Math.
+/// 18, 224 (1971).
 fn product(a: f64, b: f64) -> (f64, f64) {
     let halves = |value: f64| {
         let scaled = value * 134_217_729.0; // 2^27 + 1
@@ -86,20 +89,23 @@ pub fn energy(stiffness: f64, overlap: f64) -> f64 {
     0.4 * stiffness * closed * closed * closed.sqrt()
 }
 
-/// Change of the contact force when the overlap grows by `change` (m) over the static one, whose square root is
-/// `static_root` (m^0.5); exact to rounding however small the change (N).
+/// Change of the contact force when the overlap grows by `change` (m) over the static one, whose
+/// square root is `static_root` (m^0.5); exact to rounding however small the change (N).
 ///
-/// With `s = sqrt(overlap)` and `r = s + s0` this is `A change (r - s s0/r)` while closed. The difference
-/// `A (s^3 - s0^3)` would lose as many digits as the wave is weaker than the preload: nine for 1 nm/s under 1 kN.
+/// With `s = sqrt(overlap)` and `r = s + s0` this is `A change (r - s s0/r)` while closed. The
+/// difference `A (s^3 - s0^3)` would lose as many digits as the wave is weaker than the preload:
+/// nine for 1 nm/s under 1 kN.
 pub fn force_change(stiffness: f64, static_root: f64, change: f64) -> f64 {
     force_and_tangent(stiffness, static_root, change).0
 }
 
-/// The same (N), and the contact's stiffness against further changes (N/m), as [`tangent_stiffness`] has it.
+/// The same (N), and the contact's stiffness against further changes (N/m), as
+/// [`tangent_stiffness`] has it.
 #[inline]
 pub fn force_and_tangent(stiffness: f64, static_root: f64, change: f64) -> (f64, f64) {
     let static_overlap = static_root * static_root;
-    // An open contact has lost its whole static force, whatever the gap. A comparison, for `max` would turn what is not a number into a gap.
+    // An open contact has lost its whole static force, whatever the gap. A comparison, for `max`
+    // would turn what is not a number into a gap.
     let change = if change < -static_overlap { -static_overlap } else { change };
     let root = (static_overlap + change).max(0.0).sqrt();
     let sum = root + static_root;
@@ -112,8 +118,8 @@ pub fn tangent_stiffness(stiffness: f64, overlap: f64) -> f64 {
     1.5 * stiffness * overlap.max(0.0).sqrt()
 }
 
-/// Largest overlap of two free bodies of reduced mass `reduced_mass` (kg) that meet with `closing_speed` (m/s):
-/// `(5 mu v^2 / 4A)^(2/5)` (m).
+/// Largest overlap of two free bodies of reduced mass `reduced_mass` (kg) that meet with
+/// `closing_speed` (m/s): `(5 mu v^2 / 4A)^(2/5)` (m).
 pub fn collision_overlap(stiffness: f64, reduced_mass: f64, closing_speed: f64) -> f64 {
     (1.25 * reduced_mass * closing_speed * closing_speed / stiffness).powf(0.4)
 }
@@ -135,7 +141,8 @@ mod tests {
         assert!(force_change(a, 0.0, 0.0).abs() < f64::MIN_POSITIVE);
     }
 
-    /// As the standard library's correctly rounded one, over all forces that a bench has, and beyond.
+    /// As the standard library's correctly rounded one, over all forces that a bench has, and
+    /// beyond.
     #[test]
     #[allow(clippy::float_cmp, reason = "the same to the last bit")]
     fn cube_roots_are_those_of_the_standard_library() {

@@ -13,7 +13,8 @@ const NAMES: [&str; 3] = ["dashpot", "kuwabara_kono", "power_law_loss"];
 pub struct Dissipated {
     /// By each loss that is on.
     pub losses: Vec<LossEntry>,
-    /// Elastic energy that nobody gets back: what contacts held at zero force had when they were released (J).
+    /// Elastic energy that nobody gets back: what contacts held at zero force had when they were
+    /// released (J).
     pub left_in_contacts: f64,
 }
 
@@ -39,7 +40,8 @@ impl Chain {
         self.contacts.iter().any(|contact| contact.loss.is_some())
     }
 
-    /// The state at rest in static equilibrium but for `initial_velocity` (m/s), with room for the accounts.
+    /// The state at rest in static equilibrium but for `initial_velocity` (m/s), with room for the
+    /// accounts.
     pub fn initial_state(&self, initial_velocity: &[f64]) -> State {
         let accounts = if self.is_dissipative() { ACCOUNTS } else { 0 };
         let mut velocity = initial_velocity.to_vec();
@@ -47,7 +49,8 @@ impl Chain {
         State { time: 0.0, position: vec![0.0; velocity.len()], velocity }
     }
 
-    /// Speed that stands for one joule in the accounts: the largest initial speed for the initial kinetic energy (m/s/J).
+    /// Speed that stands for one joule in the accounts: the largest initial speed for the initial
+    /// kinetic energy (m/s/J).
     pub(super) fn account_unit(&self, initial_velocity: &[f64]) -> f64 {
         let moving = self.bodies.iter().zip(initial_velocity);
         let kinetic: f64 = moving.map(|(body, v)| 0.5 * body.mass * v * v).sum();
@@ -72,7 +75,8 @@ impl Chain {
         Dissipated { losses: losses.collect(), left_in_contacts: kept }
     }
 
-    /// Energy of `state` without that in contacts held at zero force, which nobody gets back; `held` tells which are.
+    /// Energy of `state` without that in contacts held at zero force, which nobody gets back;
+    /// `held` tells which are.
     pub fn free_energy(&self, state: &State, held: &dyn Fn(usize) -> bool) -> Energy {
         let mut energy = self.energy(state);
         for (j, contact) in self.contacts.iter().enumerate().filter(|(j, _)| held(*j)) {

@@ -1,8 +1,9 @@
 //! What one contact takes out of the motion: the part of its force that follows the closing speed.
 //!
-//! `F_loss = gamma ddot + 3/2 A eta sqrt(d) ddot + F1 sgn(ddot) (|ddot| / 1 m/s)^alpha`, `d` the overlap: dashpot, Kuwabara and Kono,
-//! power law; their sources stand with the effects. A contact ends where its overlap ends, and then pulls before it ends, or where its
-//! whole force would turn into a pull: there it is held at zero, and the elastic energy that it still has goes to nobody.
+//! `F_loss = gamma ddot + 3/2 A eta sqrt(d) ddot + F1 sgn(ddot) (|ddot| / 1 m/s)^alpha`, `d` the
+//! overlap: dashpot, Kuwabara and Kono, power law; their sources stand with the effects. A contact
+//! ends where its overlap ends, and then pulls before it ends, or where its whole force would turn
+//! into a pull: there it is held at zero, and the elastic energy that it still has goes to nobody.
 
 use super::hertz;
 
@@ -12,7 +13,8 @@ pub const KINDS: usize = 3;
 /// Force (N) or power (J/s) of each kind: dashpot, Kuwabara-Kono, power law.
 pub type LossTerms = [f64; KINDS];
 
-/// Where the tangent of Kuwabara and Kono's force has its pole, overlaps are taken as this share of the root at 1 um (m^0.5).
+/// Where the tangent of Kuwabara and Kono's force has its pole, overlaps are taken as this share of
+/// the root at 1 um (m^0.5).
 const SMALLEST_ROOT: f64 = 1e-6;
 
 /// What ends a contact with losses.
@@ -58,7 +60,8 @@ pub struct Touch {
     pub closing: f64,
     /// Elastic force, static part included (N).
     pub elastic: f64,
-    /// Whether the contact counts as closed: where forces jump, the sign of a vanishing overlap must not decide.
+    /// Whether the contact counts as closed: where forces jump, the sign of a vanishing overlap
+    /// must not decide.
     pub closed: bool,
 }
 
@@ -116,7 +119,8 @@ impl ContactLoss {
         if self.holds(force, touch) { -touch.elastic } else { force }
     }
 
-    /// The force that the contact would have if nothing held it, and the sum of its parts' magnitudes (N).
+    /// The force that the contact would have if nothing held it, and the sum of its parts'
+    /// magnitudes (N).
     pub(super) fn unheld(&self, stiffness: f64, touch: Touch) -> (f64, f64) {
         let terms = self.terms(stiffness, touch);
         let sizes = terms.iter().map(|term| term.abs()).sum::<f64>();
@@ -139,8 +143,8 @@ impl ContactLoss {
         self.dashpot + self.relaxation * hertz::tangent_stiffness(stiffness, overlap) + power
     }
 
-    /// The force that a contact of stiffness `A` (N/m^1.5) has beyond its elastic one (N), and the tangents of both together, whose elastic
-    /// one (N/m) is `elastic_tangent`.
+    /// The force that a contact of stiffness `A` (N/m^1.5) has beyond its elastic one (N), and the
+    /// tangents of both together, whose elastic one (N/m) is `elastic_tangent`.
     pub fn force_and_tangent(
         &self,
         stiffness: f64,
@@ -188,7 +192,8 @@ impl ContactLoss {
     }
 }
 
-/// Force of a power law of `at_one` (N) at 1 m/s and an exponent (1) where bodies close at `closing` (m/s) (N).
+/// Force of a power law of `at_one` (N) at 1 m/s and an exponent (1) where bodies close at
+/// `closing` (m/s) (N).
 fn power_law(at_one: f64, exponent: f64, closing: f64) -> f64 {
     if at_one > 0.0 { at_one * closing.abs().powf(exponent).copysign(closing) } else { 0.0 }
 }

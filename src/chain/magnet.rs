@@ -1,9 +1,12 @@
-//! The magnet of a chain: where and how hard it pulls at rest, and its pull on a particle that moves in its field.
+//! The magnet of a chain: where and how hard it pulls at rest, and its pull on a particle that
+//! moves in its field.
 //!
-//! The particle's distance from the magnet's face is `d = d0 - u`, `d0` at rest, `u` its displacement, downward positive like the
-//! attraction: the force `F(d0 - u)` is a spring of stiffness `F'(d0)`, negative where the attraction falls with distance. At rest
-//! `F(d0)` is a load like any other. Where instead the distance `D` of the unloaded chain is known, the particle sinks by all overlaps
-//! below it, and the static force is the smallest root of `F(D - sum (N_j(F)/A_j)^(2/3)) = F`.
+//! The particle's distance from the magnet's face is `d = d0 - u`, `d0` at rest, `u` its
+//! displacement, downward positive like the attraction: the force `F(d0 - u)` is a spring of
+//! stiffness `F'(d0)`, negative where the attraction falls with distance. At rest `F(d0)` is a load
+//! like any other. Where instead the distance `D` of the unloaded chain is known, the particle
+//! sinks by all overlaps below it, and the static force is the smallest root of
+//! `F(D - sum (N_j(F)/A_j)^(2/3)) = F`.
 
 use super::effects::{MagnetForce, MagnetPreload, PlacedAt, PlacedMagnet};
 use super::statics::contact;
@@ -22,7 +25,8 @@ pub struct ChainMagnet {
     pub body: usize,
     /// Static force, downward positive (N).
     pub force: f64,
-    /// Its change with displacement and the place, where a magnet is described and not only its force.
+    /// Its change with displacement and the place, where a magnet is described and not only its
+    /// force.
     pub pull: Option<Pull>,
 }
 
@@ -139,7 +143,8 @@ impl ChainMagnet {
         Ok(Some(Self { body, force, pull: Some(Pull::new(field, distance)) }))
     }
 
-    /// Energy of its body at the displacement `u` (m), zero at rest; `follows` tells whether the force changes on the way (J).
+    /// Energy of its body at the displacement `u` (m), zero at rest; `follows` tells whether the
+    /// force changes on the way (J).
     pub(super) fn energy(&self, u: f64, follows: bool) -> f64 {
         match &self.pull {
             Some(pull) if follows => pull.energy(u),
@@ -212,7 +217,8 @@ impl Column {
         Ok((distance - self.sinks(high), high))
     }
 
-    /// Refuses a magnet whose pull grows by more a way (N/m) than the column does under its `force` (N).
+    /// Refuses a magnet whose pull grows by more a way (N/m) than the column does under its `force`
+    /// (N).
     fn holds(&self, growth: f64, force: f64) -> Result<(), ChainError> {
         let gives = |(stiffness, bears): &(f64, f64)| {
             let overlap = hertz::overlap(*stiffness, (bears + force).max(0.0));

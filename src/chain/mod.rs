@@ -1,12 +1,14 @@
-//! The chain: bodies in a row, Hertz contacts between neighbours, and the static state they start from.
+//! The chain: bodies in a row, Hertz contacts between neighbours, and the static state they start
+//! from.
 //!
-//! Stands between `scene`, which describes it, and `integrate`, which moves it. Body 0 is the striker where
-//! there is one; contact `j` lies between bodies `j - 1` and `j`, contact 0 and the last one touch the boundaries.
-//! State is the displacement from static equilibrium, downward positive: 0.3 m of chain has an ulp that is 1e-8 of
-//! a 5 nm overlap, so absolute positions never appear.
+//! Stands between `scene`, which describes it, and `integrate`, which moves it. Body 0 is the
+//! striker where there is one; contact `j` lies between bodies `j - 1` and `j`, contact 0 and the
+//! last one touch the boundaries. State is the displacement from static equilibrium, downward
+//! positive: 0.3 m of chain has an ulp that is 1e-8 of a 5 nm overlap, so absolute positions never
+//! appear.
 //!
-//! Statics is exact: every contact force is the sum of the loads above it, `N[j+1] = N[j] + load[j]`, and every
-//! overlap follows from its force in closed form.
+//! Statics is exact: every contact force is the sum of the loads above it,
+//! `N[j+1] = N[j] + load[j]`, and every overlap follows from its force in closed form.
 
 mod contact;
 pub mod effects;
@@ -71,7 +73,8 @@ impl Body {
         }
     }
 
-    /// Whether the other is of the same kind and size; their masses may differ by what sits in them.
+    /// Whether the other is of the same kind and size; their masses may differ by what sits in
+    /// them.
     pub fn is_alike(&self, other: &Self) -> bool {
         let shape = |body: &Self| [body.length.to_bits(), body.curvature.to_bits()];
         self.name == other.name && shape(self) == shape(other)
@@ -204,12 +207,14 @@ impl Chain {
         Some((magnet.body, magnet.pull.as_ref()?))
     }
 
-    /// Whether its forces are those of elastic contacts and constant loads alone, as the chain's own stepper takes them.
+    /// Whether its forces are those of elastic contacts and constant loads alone, as the chain's
+    /// own stepper takes them.
     pub fn is_plain(&self) -> bool {
         !self.is_dissipative() && self.pull().is_none()
     }
 
-    /// Whether it runs on the vector path: elastic Hertz contacts and constant loads are all there is.
+    /// Whether it runs on the vector path: elastic Hertz contacts and constant loads are all there
+    /// is.
     pub fn runs_on_vectors(&self) -> bool {
         self.is_plain() && !self.is_linear()
     }

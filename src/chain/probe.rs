@@ -1,4 +1,5 @@
-//! Forces where somebody looks: inside a particle or in one contact, anywhere within an integrator's step.
+//! Forces where somebody looks: inside a particle or in one contact, anywhere within an
+//! integrator's step.
 
 use std::sync::Arc;
 
@@ -10,9 +11,10 @@ const CONTACTS: usize = 4;
 
 /// A weighted sum of two neighbouring contact forces: what a plate in a particle feels.
 ///
-/// `N(xi) = F_above (1/2 - xi) + F_below (1/2 + xi)`, `xi` the plate's distance from the particle's centre in units of
-/// its length, downward positive. A centred plate feels the mean; `xi = 1/2` feels the contact below alone.
-/// Source: linear interpolation of the axial force in a rigidly moving body of even mass.
+/// `N(xi) = F_above (1/2 - xi) + F_below (1/2 + xi)`, `xi` the plate's distance from the particle's
+/// centre in units of its length, downward positive. A centred plate feels the mean; `xi = 1/2`
+/// feels the contact below alone. Source: linear interpolation of the axial force in a rigidly
+/// moving body of even mass.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForceProbe {
     /// Shared with what is kept of steps.
@@ -22,13 +24,15 @@ pub struct ForceProbe {
 /// What there is around a probe.
 #[derive(Debug, PartialEq)]
 struct Around {
-    /// The next contacts above and below share in the accelerations that the rates of losses need, and in the rates of all accelerations.
+    /// The next contacts above and below share in the accelerations that the rates of losses need,
+    /// and in the rates of all accelerations.
     contacts: [Contact; CONTACTS],
     weights: [f64; 2],
     /// Index of the body between the two that are felt.
     body: usize,
     is_lossy: bool,
-    /// Inverse mass (1/kg) and unbalanced acceleration (m/s²) of the body above, this one and the one below.
+    /// Inverse mass (1/kg) and unbalanced acceleration (m/s²) of the body above, this one and the
+    /// one below.
     inertia: [(f64, f64); 3],
     /// A magnet that follows one of these three bodies, by its place among them.
     pull: Option<(usize, Pull)>,
@@ -104,7 +108,8 @@ impl ForceProbe {
         self.contacts().iter().zip(self.weights()).map(|(c, w)| w * c.static_force).sum()
     }
 
-    /// How fast the force changes when the chain is let go: nothing has moved yet, and bodies have these velocities (m/s) (N/s).
+    /// How fast the force changes when the chain is let go: nothing has moved yet, and bodies have
+    /// these velocities (m/s) (N/s).
     pub fn starting_rate(&self, velocities: &[f64]) -> f64 {
         let velocity = |body: Option<usize>| body.and_then(|b| velocities.get(b)).copied();
         let here = self.body();
@@ -145,8 +150,9 @@ impl ForceProbe {
     }
 }
 
-/// How the overlaps of the contacts around a probe change, and how fast, over a step: coefficients of the powers of its fraction, four of the one (m),
-/// then four of the other (m/s). Side by side, so that all polynomials are evaluated at once.
+/// How the overlaps of the contacts around a probe change, and how fast, over a step: coefficients
+/// of the powers of its fraction, four of the one (m), then four of the other (m/s). Side by side,
+/// so that all polynomials are evaluated at once.
 #[derive(Debug, Clone, PartialEq)]
 struct Motion([[f64; 2 * CONTACTS]; COEFFICIENTS]);
 
@@ -215,8 +221,8 @@ impl ForceSegment {
         self.look(theta)[1]
     }
 
-    /// Both. What closing speeds gain follows from the forces, for an interpolant's second derivative is nothing but rounding on the
-    /// shortest steps (N, N/s).
+    /// Both. What closing speeds gain follows from the forces, for an interpolant's second
+    /// derivative is nothing but rounding on the shortest steps (N, N/s).
     pub fn look(&self, theta: f64) -> [f64; 2] {
         let [changes, closing] = self.motion.at(theta);
         let Around { contacts, weights, is_lossy, inertia, .. } = &*self.around;

@@ -1,7 +1,9 @@
-//! The force at a probe over one step of the vector path: force and rate of change at both ends, and the two overlaps as polynomials.
+//! The force at a probe over one step of the vector path: force and rate of change at both ends,
+//! and the two overlaps as polynomials.
 //!
-//! Each overlap is the septic through its value and its first three derivatives at both ends of the step; the error goes as the step to the
-//! power 8 with the constant `1/(8! 2^8)`. Source: C. Hermite, J. reine angew. Math. 84, 70 (1878).
+//! Each overlap is the septic through its value and its first three derivatives at both ends of the
+//! step; the error goes as the step to the power 8 with the constant `1/(8! 2^8)`. Source: C.
+//! Hermite, J. reine angew. Math. 84, 70 (1878).
 
 use super::hertz::force_and_tangent;
 use super::simd::{ContactStep, InstructionSet, SampleForces, VectorStepper};
@@ -9,10 +11,11 @@ use super::{Contact, ForceProbe, Law};
 use crate::integrate::hermite::{End, septic_coefficients};
 use crate::integrate::{COEFFICIENTS, Integrator};
 
-/// Times in a step at which a force is evaluated, as fractions of the step; its end is the last (1).
+/// Times in a step at which a force is evaluated, as fractions of the step; its end is the last
+/// (1).
 pub const SAMPLE_TIMES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
-/// Where a force rises or falls at both ends of a step, and the least rate of their cubic is below this share of both, it may turn in
-/// between (1).
+/// Where a force rises or falls at both ends of a step, and the least rate of their cubic is below
+/// this share of both, it may turn in between (1).
 const DOUBTFUL_RATE_SHARE: f64 = 0.6;
 
 /// The two contacts that a probe measures, without losses.
@@ -89,7 +92,8 @@ impl ContactPair {
         [force, rate / step.length]
     }
 
-    /// Adds the dynamic forces at `count` even times to `out` (N): the first and the distance from one to the next are fractions of the step.
+    /// Adds the dynamic forces at `count` even times to `out` (N): the first and the distance from
+    /// one to the next are fractions of the step.
     pub fn sample(
         &self,
         set: InstructionSet,
@@ -150,8 +154,9 @@ pub struct ProbeTracker {
     max_ratio: f64,
 }
 
-/// Largest ratio of a force's maximum within a step of `phase` (rad) of its fastest oscillation to the larger force at the ends: the overlap is
-/// `cos(phase/2)` of its maximum there, the force goes as its power 1.5; unlimited from half an oscillation on (1).
+/// Largest ratio of a force's maximum within a step of `phase` (rad) of its fastest oscillation to
+/// the larger force at the ends: the overlap is `cos(phase/2)` of its maximum there, the force goes
+/// as its power 1.5; unlimited from half an oscillation on (1).
 fn max_ratio_within_step(phase: f64) -> f64 {
     if phase < std::f64::consts::PI { (0.5 * phase).cos().powf(-1.5) } else { f64::INFINITY }
 }
@@ -234,12 +239,15 @@ impl ProbeTracker {
         StepOverlaps { start, length, overlaps: [overlap(0), overlap(1)] }
     }
 
-    /// Whether the last step may hold a maximum above the first of these forces, or any force above the second (N).
+    /// Whether the last step may hold a maximum above the first of these forces, or any force above
+    /// the second (N).
     ///
-    /// A force that changes its curvature at most once in a step is below its tangents at both ends: below the one where it is concave there,
-    /// and where it is convex below the larger of that part's ends. A maximum of one that falls at the start and rises at the end is not looked
-    /// for: it would have turned three times. In steps of half an oscillation and more nothing is ruled out: the places in
-    /// [`SAMPLE_TIMES`] are closer than two turns up to steps of two oscillations.
+    /// A force that changes its curvature at most once in a step is below its tangents at both
+    /// ends: below the one where it is concave there, and where it is convex below the larger of
+    /// that part's ends. A maximum of one that falls at the start and rises at the end is not
+    /// looked for: it would have turned three times. In steps of half an oscillation and more
+    /// nothing is ruled out: the places in [`SAMPLE_TIMES`] are closer than two turns up to steps
+    /// of two oscillations.
     pub fn may_exceed(&self, [maximum, level]: [f64; 2]) -> bool {
         if self.max_ratio.is_infinite() {
             return true;
@@ -296,7 +304,8 @@ mod tests {
         (spread > 0.0 && place > 0.0 && place < 1.0).then(|| force(place))
     }
 
-    /// Whatever the signs of forces and rates, zero among them, a maximum or an end above what is asked for is never overlooked.
+    /// Whatever the signs of forces and rates, zero among them, a maximum or an end above what is
+    /// asked for is never overlooked.
     #[test]
     fn no_maximum_is_overlooked() {
         let mut bits = 0x9E37_79B9_7F4A_7C15_u64;

@@ -1,9 +1,13 @@
-//! What an impact will do, estimated before the first step: the scale of overlaps, and the longest steps that methods survive.
+//! What an impact will do, estimated before the first step: the scale of overlaps, and the longest
+//! steps that methods survive.
 //!
-//! Steps are limited by the highest angular frequency of the chain and by the fastest decay of velocities. Both follow from the largest eigenvalue
-//! of `M^-1 S`, `S` tridiagonal with `s[i] + s[i+1]` on the diagonal and `-s[i]` beside it: stiffnesses `s = k` give the square of the frequency, slopes of the
-//! losses against the closing speed `s = c` the decay. For a diatomic chain of dashpots the decay is `2 gamma (1/m + 1/M)`. It is found by bisection on the count
-//! of negative pivots. Source: W. Givens, J. ACM 4, 298 (1957), on Sturm sequences of tridiagonal matrices.
+//! Steps are limited by the highest angular frequency of the chain and by the fastest decay of
+//! velocities. Both follow from the largest eigenvalue of `M^-1 S`, `S` tridiagonal with
+//! `s[i] + s[i+1]` on the diagonal and `-s[i]` beside it: stiffnesses `s = k` give the square of
+//! the frequency, slopes of the losses against the closing speed `s = c` the decay. For a diatomic
+//! chain of dashpots the decay is `2 gamma (1/m + 1/M)`. It is found by bisection on the count of
+//! negative pivots. Source: W. Givens, J. ACM 4, 298 (1957), on Sturm sequences of tridiagonal
+//! matrices.
 
 use super::{Chain, Contact, hertz};
 use crate::integrate::Pacing;
@@ -29,15 +33,17 @@ fn fastest(velocity: &[f64]) -> f64 {
 }
 
 impl Chain {
-    /// The overlap that bodies with these velocities (m/s) will reach, by which errors are measured. 0 where nothing moves (m).
+    /// The overlap that bodies with these velocities (m/s) will reach, by which errors are
+    /// measured. 0 where nothing moves (m).
     ///
-    /// For each moving body the larger of two closed forms: `v/omega` on its static contacts, and the two-body
-    /// collision for contacts without preload.
+    /// For each moving body the larger of two closed forms: `v/omega` on its static contacts, and
+    /// the two-body collision for contacts without preload.
     pub fn impact_overlap(&self, velocity: &[f64]) -> f64 {
         self.impacts(velocity).map(|(_, overlap)| overlap).fold(0.0, f64::max)
     }
 
-    /// By how much that impact raises the force of a contact, at most: [`Self::impact_overlap`] in newtons. 0 where nothing moves (N).
+    /// By how much that impact raises the force of a contact, at most: [`Self::impact_overlap`] in
+    /// newtons. 0 where nothing moves (N).
     pub fn impact_force(&self, velocity: &[f64]) -> f64 {
         let forces = self.impacts(velocity).map(|(contact, overlap)| contact.force_change(overlap));
         forces.fold(0.0, f64::max)
@@ -52,7 +58,8 @@ impl Chain {
         })
     }
 
-    /// What is above and below contact `j`: kinds, where both are the same with the particles' numbers.
+    /// What is above and below contact `j`: kinds, where both are the same with the particles'
+    /// numbers.
     pub(crate) fn beside(&self, j: usize) -> (String, String) {
         let body = |index: Option<usize>| index.and_then(|index| self.bodies.get(index));
         let is_same = body(j.checked_sub(1)).map(|b| &b.name) == body(Some(j)).map(|b| &b.name);
@@ -72,10 +79,12 @@ impl Chain {
             .map(|i| i.and_then(|i| self.bodies.get(i)).map_or(0.0, |body| 1.0 / body.mass))
     }
 
-    /// The longest step that a method survives whose longest stable step times angular frequency is `reach` (1).
+    /// The longest step that a method survives whose longest stable step times angular frequency is
+    /// `reach` (1).
     ///
-    /// The frequency is the highest of the whole chain, linearised: each contact at its static overlap or, next to a moving body,
-    /// at the overlap of the coming collision. The contact that is named would be fastest with its two bodies alone.
+    /// The frequency is the highest of the whole chain, linearised: each contact at its static
+    /// overlap or, next to a moving body, at the overlap of the coming collision. The contact that
+    /// is named would be fastest with its two bodies alone.
     pub fn stability_limit(&self, velocity: &[f64], reach: f64) -> Option<StabilityLimit> {
         let stiffness = |(j, contact): (usize, &Contact)| {
             if contact.stiffness == 0.0 {
@@ -91,14 +100,14 @@ impl Chain {
         self.limit(&stiffnesses, |square| reach / square.sqrt())
     }
 
-    /// The longest step that a method survives whose longest stable step times decay is `reach` (1), by [`Self::fastest_decay`];
-    /// none without losses.
+    /// The longest step that a method survives whose longest stable step times decay is `reach`
+    /// (1), by [`Self::fastest_decay`]; none without losses.
     pub fn decay_limit(&self, velocity: &[f64], reach: f64) -> Option<StabilityLimit> {
         self.limit(&self.dampings(velocity), |decay| reach / decay)
     }
 
-    /// The `step` that follows from the largest eigenvalue with these `coefficients` of the contacts, and the contact that has the largest with its two bodies
-    /// alone.
+    /// The `step` that follows from the largest eigenvalue with these `coefficients` of the
+    /// contacts, and the contact that has the largest with its two bodies alone.
     fn limit(&self, coefficients: &[f64], step: impl Fn(f64) -> f64) -> Option<StabilityLimit> {
         let alone = |(j, s): (usize, &f64)| (j, s * self.inverse_masses(j).iter().sum::<f64>());
         let alone = coefficients.iter().enumerate().map(alone).filter(|(_, value)| *value > 0.0);
@@ -107,8 +116,9 @@ impl Chain {
         Some(StabilityLimit { step: step(self.largest_eigenvalue(coefficients)), upper, lower })
     }
 
-    /// The fastest decay of any pattern of velocities, with all lossy contacts closed and at the overlaps and speeds that
-    /// bodies with these velocities (m/s) will reach; 0 without losses (1/s).
+    /// The fastest decay of any pattern of velocities, with all lossy contacts closed and at the
+    /// overlaps and speeds that bodies with these velocities (m/s) will reach; 0 without losses
+    /// (1/s).
     pub fn fastest_decay(&self, velocity: &[f64]) -> f64 {
         self.largest_eigenvalue(&self.dampings(velocity))
     }
@@ -136,8 +146,8 @@ impl Chain {
         high
     }
 
-    /// The largest decay of any contact, its two bodies taken alone, in units of its own angular frequency: twice its damping ratio;
-    /// 0 without losses (1).
+    /// The largest decay of any contact, its two bodies taken alone, in units of its own angular
+    /// frequency: twice its damping ratio; 0 without losses (1).
     pub fn largest_damping(&self, velocity: &[f64]) -> f64 {
         let speed = fastest(velocity);
         let ratio = |(j, slope): (usize, f64)| {
@@ -148,7 +158,8 @@ impl Chain {
         self.dampings(velocity).into_iter().enumerate().map(ratio).fold(0.0, f64::max)
     }
 
-    /// The larger of contact `j`'s static overlap and that of a collision at `speed` (m/s) (m), and its inverse reduced mass (1/kg).
+    /// The larger of contact `j`'s static overlap and that of a collision at `speed` (m/s) (m), and
+    /// its inverse reduced mass (1/kg).
     fn largest_overlap(&self, j: usize, speed: f64) -> (f64, f64) {
         let (contact, mobility): (_, f64) =
             (&self.contacts[j], self.inverse_masses(j).iter().sum());
@@ -156,8 +167,8 @@ impl Chain {
         (contact.static_overlap.max(dynamic), mobility)
     }
 
-    /// Slopes of the contacts' losses against the closing speed, at the larger of their static overlap and that of a
-    /// collision at the largest of these velocities (m/s) (N s/m).
+    /// Slopes of the contacts' losses against the closing speed, at the larger of their static
+    /// overlap and that of a collision at the largest of these velocities (m/s) (N s/m).
     fn dampings(&self, velocity: &[f64]) -> Vec<f64> {
         let speed = fastest(velocity);
         let slope = |(j, contact): (usize, &Contact)| {
@@ -169,11 +180,14 @@ impl Chain {
         self.contacts.iter().enumerate().map(slope).collect()
     }
 
-    /// How fast the chain is when its bodies have these velocities (m/s): each contact at its static overlap and that of a collision at the
-    /// largest speed besides. Decides on the length of steps of two lengths.
+    /// How fast the chain is when its bodies have these velocities (m/s): each contact at its
+    /// static overlap and that of a collision at the largest speed besides. Decides on the length
+    /// of steps of two lengths.
     ///
-    /// What overlaps do to each other's accelerations, `K_j (1/m_above + 1/m_below)` and `K_(j-1)/m_above`, `K_(j+1)/m_below`, has no eigenvalue above the
-    /// largest sum of a row's magnitudes, the square of the frequency returned. For a long chain of two kinds of bodies that is the highest.
+    /// What overlaps do to each other's accelerations, `K_j (1/m_above + 1/m_below)` and
+    /// `K_(j-1)/m_above`, `K_(j+1)/m_below`, has no eigenvalue above the largest sum of a row's
+    /// magnitudes, the square of the frequency returned. For a long chain of two kinds of bodies
+    /// that is the highest.
     pub fn pacing(&self, velocity: &[f64]) -> Pacing {
         let speed = fastest(velocity);
         let mut springs: Vec<(f64, [f64; 2])> = Vec::with_capacity(self.contacts.len());
@@ -205,8 +219,8 @@ impl Chain {
     }
 }
 
-/// A bound of the square of the highest angular frequency of contacts with these stiffnesses (N/m) between bodies of these inverse masses
-/// (1/kg) (1/s²).
+/// A bound of the square of the highest angular frequency of contacts with these stiffnesses (N/m)
+/// between bodies of these inverse masses (1/kg) (1/s²).
 fn highest_square(springs: &[(f64, [f64; 2])]) -> f64 {
     let beside = |j: Option<usize>| j.and_then(|j| springs.get(j)).map_or(0.0, |s| s.0);
     let sum = |(j, (stiffness, [above, below])): (usize, &(f64, [f64; 2]))| {

@@ -1,10 +1,12 @@
-//! The static state of a chain, contact by contact: what each bears, and its overlap in closed form.
+//! The static state of a chain, contact by contact: what each bears, and its overlap in closed
+//! form.
 
 use super::{
     Body, ChainError, ChainSpec, Contact, Elasticity, End, Law, LinearisedContacts, hertz,
 };
 
-/// Constant force on each body from effects and end forces, the magnet's excepted, downward positive (N).
+/// Constant force on each body from effects and end forces, the magnet's excepted, downward
+/// positive (N).
 pub fn loads(spec: &ChainSpec, bodies: &[Body]) -> Vec<f64> {
     let masses: Vec<f64> = bodies.iter().map(|b| b.mass).collect();
     let mut loads = vec![0.0; bodies.len()];

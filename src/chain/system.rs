@@ -1,11 +1,14 @@
-//! The chain as a system to integrate by any method: every contact law, losses, and a magnet that follows its particle.
+//! The chain as a system to integrate by any method: every contact law, losses, and a magnet that
+//! follows its particle.
 //!
-//! Bodies carry changes against the static state, so constant loads have vanished but for what statics leaves over, the striker's weight.
-//! Behind the bodies of a chain with losses are accounts: one for each kind of loss, whose rates are the powers, so that dissipated energies are
-//! integrated along with the motion, to its accuracy; and one for the elastic energy of contacts held at zero force, booked
-//! when they are held and released. Where forces jump, whether a contact is closed is a switch of the system, not the sign of a vanishing
-//! overlap: the striker's contact counts as closed at the start. Where contacts end at zero force, whether one is held
-//! there is another switch: a kink.
+//! Bodies carry changes against the static state, so constant loads have vanished but for what
+//! statics leaves over, the striker's weight. Behind the bodies of a chain with losses are
+//! accounts: one for each kind of loss, whose rates are the powers, so that dissipated energies are
+//! integrated along with the motion, to its accuracy; and one for the elastic energy of contacts
+//! held at zero force, booked when they are held and released. Where forces jump, whether a contact
+//! is closed is a switch of the system, not the sign of a vanishing overlap: the striker's contact
+//! counts as closed at the start. Where contacts end at zero force, whether one is held there is
+//! another switch: a kink.
 
 use super::loss::{ContactLoss, EndOfContact, KINDS, Tangent, Touch};
 use super::magnet::Pull;
@@ -14,13 +17,15 @@ use crate::integrate::{
     Linearised, Motion, Pacing, Scales, Sides, State, Switching, System, Tridiagonal,
 };
 
-/// Accounts behind the bodies of a chain with losses: one a kind of loss, and the energy in contacts held at zero force.
+/// Accounts behind the bodies of a chain with losses: one a kind of loss, and the energy in
+/// contacts held at zero force.
 pub const ACCOUNTS: usize = KINDS + 1;
 
 /// A force below this share of its parts is zero but for rounding (1).
 const ROUNDING_SHARE: f64 = 1e-10;
 
-/// What may change within a run, of a contact: it closes or opens; its force turns into a pull, where it is held, or presses again.
+/// What may change within a run, of a contact: it closes or opens; its force turns into a pull,
+/// where it is held, or presses again.
 #[derive(Debug, Clone, Copy)]
 enum Change {
     Closes(usize),
@@ -41,9 +46,11 @@ pub struct ChainSystem {
     closed: Vec<bool>,
     held: Vec<bool>,
     switches: Vec<Change>,
-    /// Speed that stands for one joule in the accounts, so that the error control weighs them as it does speeds (m/s/J).
+    /// Speed that stands for one joule in the accounts, so that the error control weighs them as it
+    /// does speeds (m/s/J).
     unit: f64,
-    /// Tangents at the last linearisation, one a contact, and the slope of the magnet's force (N/m).
+    /// Tangents at the last linearisation, one a contact, and the slope of the magnet's force
+    /// (N/m).
     tangents: Vec<Tangent>,
     pull_slope: f64,
     /// Smallest meaningful overlap scale (m).
@@ -199,7 +206,8 @@ pub(super) fn difference(of_bodies: &[f64], j: usize) -> f64 {
 }
 
 impl ChainSystem {
-    /// What `switch` changes, its contact and the contact's loss, which contacts with switches have.
+    /// What `switch` changes, its contact and the contact's loss, which contacts with switches
+    /// have.
     fn of(&self, switch: usize) -> (Change, usize, &Contact, ContactLoss) {
         let change = self.switches[switch];
         let (Change::Closes(j) | Change::Pulls(j)) = change;
@@ -207,7 +215,8 @@ impl ChainSystem {
         (change, j, contact, contact.loss.unwrap_or(ContactLoss::NONE))
     }
 
-    /// Force that the contact would have if nothing held it, and the sum of its parts' magnitudes (N).
+    /// Force that the contact would have if nothing held it, and the sum of its parts' magnitudes
+    /// (N).
     fn unheld(&self, j: usize, loss: ContactLoss, motion: Motion) -> (f64, f64) {
         loss.unheld(self.contacts[j].stiffness, self.touch(j, motion))
     }

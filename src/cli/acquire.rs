@@ -1,4 +1,5 @@
-//! `hertzscope acquire`: a real scope's traces into a recording; and one shot of a scope for other commands.
+//! `hertzscope acquire`: a real scope's traces into a recording; and one shot of a scope for other
+//! commands.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -15,13 +16,16 @@ use crate::client::{
 };
 use crate::recording::TraceSet;
 
-/// Record the displayed traces of a scope after each of its triggers: over a socket, a serial line, or GPIB behind a Prologix adapter
+/// Record the displayed traces of a scope after each of its triggers: over a socket, a serial line,
+/// or GPIB behind a Prologix adapter
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// The scope: `tcp://HOST:PORT`, `serial:/dev/ttyUSB0?baud=19200` (hard flagging), or `prologix://HOST?gpib=1`
+    /// The scope: `tcp://HOST:PORT`, `serial:/dev/ttyUSB0?baud=19200` (hard flagging), or
+    /// `prologix://HOST?gpib=1`
     #[arg(value_parser = str::parse::<Address>)]
     address: Address,
-    /// Recording to write (.mcap); if it exists, a number is appended; it can be read while it grows (`view FILE --follow`)
+    /// Recording to write (.mcap); if it exists, a number is appended; it can be read while it
+    /// grows (`view FILE --follow`)
     #[arg(short, long, value_name = "FILE.mcap")]
     output: PathBuf,
     /// End after this many shots [default: at Ctrl-C]

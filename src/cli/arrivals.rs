@@ -16,10 +16,12 @@ use crate::recording::TraceSet;
 use crate::recording::format::for_each_shot;
 use crate::report;
 
-/// Show when the first pulse arrived at each channel, its speed, and how well shots repeat; with uncertainties
+/// Show when the first pulse arrived at each channel, its speed, and how well shots repeat; with
+/// uncertainties
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them, or a scope's address (see `acquire`) to record one shot from
+    /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them, or a scope's address
+    /// (see `acquire`) to record one shot from
     file: PathBuf,
     #[command(flatten)]
     reading: ReadingArguments,

@@ -1,4 +1,5 @@
-//! `hertzscope budget`: which input of an uncertain scene carries how much of each prediction's uncertainty.
+//! `hertzscope budget`: which input of an uncertain scene carries how much of each prediction's
+//! uncertainty.
 
 use clap::Args;
 

@@ -16,7 +16,8 @@ pub enum ByHand {
     VelocityVerlet,
     /// Order 4, symplectic, uses force gradients; takes a step
     ForceGradient,
-    /// The same with two step lengths, short while the stiffest contact is closed; takes a tolerance
+    /// The same with two step lengths, short while the stiffest contact is closed; takes a
+    /// tolerance
     TwoStepForceGradient,
     /// Order 4, also for scenes with losses; takes a step
     #[value(name = "runge-kutta-4")]

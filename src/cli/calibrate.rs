@@ -21,15 +21,18 @@ use crate::scene::plan::{self, CalibrationPlan, lab};
 use crate::studies::momentum_test::coverage::coverage;
 use crate::studies::momentum_test::design::{Designer, TestDesign};
 
-/// Calibrate a sensor from the momentum of impacts: sensitivity, time constant, uncertainty budget, certificate
+/// Calibrate a sensor from the momentum of impacts: sensitivity, time constant, uncertainty budget,
+/// certificate
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Plan (TOML): recordings, and the striker's masses and speeds with their uncertainties; an impact whose recording is a scope's address is
-    /// recorded now; `hertzscope help plan` shows one
+    /// Plan (TOML): recordings, and the striker's masses and speeds with their uncertainties; an
+    /// impact whose recording is a scope's address is recorded now; `hertzscope help plan` shows
+    /// one
     #[arg(required_unless_present = "simulate")]
     plan: Option<PathBuf>,
-    /// Instead, design the calibration of this sensor (a name or a file): simulates it over the laboratory's strikers and drop heights, V/div and
-    /// s/div, and shows the best; with --output, writes its plan and recordings
+    /// Instead, design the calibration of this sensor (a name or a file): simulates it over the
+    /// laboratory's strikers and drop heights, V/div and s/div, and shows the best; with --output,
+    /// writes its plan and recordings
     #[arg(long, value_name = "SENSOR", conflicts_with = "plan")]
     simulate: Option<String>,
     /// With --simulate: try only strikers whose name contains this, e.g. ptfe
@@ -41,10 +44,12 @@ pub struct Arguments {
         hide_default_value = true
     )]
     striker: String,
-    /// With --simulate: strikers, heights and instruments, each with its standard uncertainty [default: as `hertzscope help lab` prints]
+    /// With --simulate: strikers, heights and instruments, each with its standard uncertainty
+    /// [default: as `hertzscope help lab` prints]
     #[arg(long, value_name = "FILE.toml", requires = "simulate")]
     lab: Option<PathBuf>,
-    /// With --simulate: repeat the best calibration this many times with hidden true values; shows bias and coverage
+    /// With --simulate: repeat the best calibration this many times with hidden true values; shows
+    /// bias and coverage
     #[arg(long, value_name = "N", requires = "simulate", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     repeat: Option<u32>,
     /// With --simulate: random seed of readings, noise and true values
@@ -94,7 +99,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Records each impact that the plan names a scope's address for; the recordings stay beside the plan.
+/// Records each impact that the plan names a scope's address for; the recordings stay beside the
+/// plan.
 fn acquire_impacts(plan: &mut CalibrationPlan) -> anyhow::Result<()> {
     let count = plan.impacts.len();
     for (number, impact) in (1..).zip(&mut plan.impacts) {

@@ -24,17 +24,21 @@ use crate::report::document::{Part, html, markdown};
 use crate::scene::Scene;
 use crate::studies::uncertainty::{NormalisedError, judge, normalised_errors};
 
-/// Compare a measurement with a simulation: scores for each channel; exit code 1 where they exceed the tolerance
+/// Compare a measurement with a simulation: scores for each channel; exit code 1 where they exceed
+/// the tolerance
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them, or a scope's address (see `acquire`) to record one shot from
+    /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them, or a scope's address
+    /// (see `acquire`) to record one shot from
     measured: PathBuf,
     /// A simulated recording, file or folder, or a scene to run (included, or a .toml file)
     simulated: String,
     #[command(flatten)]
     table: TableArguments,
-    /// Limits of the scores, e.g. peak=5%,arrival=2us,rms=2lsb,correlation=0.99; also speed, gain, spectrum (%) and max (lsb, V, N)
-    /// [default: where the scene has `[uncertainty]`, a normalised error `E_n` of at most 1; else rms=1lsb]
+    /// Limits of the scores, e.g. peak=5%,arrival=2us,rms=2lsb,correlation=0.99; also speed, gain,
+    /// spectrum (%) and max (lsb, V, N)
+    /// [default: where the scene has `[uncertainty]`, a normalised error `E_n` of at most 1; else
+    /// rms=1lsb]
     #[arg(long, value_name = "LIST", value_parser = ScoreLimits::parse)]
     tolerance: Option<ScoreLimits>,
     #[command(flatten)]
@@ -42,10 +46,12 @@ pub struct Arguments {
     /// How measurement and simulation are aligned in time
     #[arg(long, value_enum, default_value = "arrival")]
     align: AlignBy,
-    /// Simulated sensor or channel of a measured channel, e.g. CH1=p2,CH2=p14 [default: as recorded, else equal numbers]
+    /// Simulated sensor or channel of a measured channel, e.g. CH1=p2,CH2=p14
+    /// [default: as recorded, else equal numbers]
     #[arg(long, value_name = "CH=NAME", value_delimiter = ',', value_parser = assignment)]
     map: Vec<Assignment>,
-    /// Calibration of the sensor at a measured channel, an included sensor or a file that `calibrate` wrote, e.g. CH1=sensor.toml
+    /// Calibration of the sensor at a measured channel, an included sensor or a file that
+    /// `calibrate` wrote, e.g. CH1=sensor.toml
     #[arg(long, value_name = "CH=SENSOR", value_parser = wired)]
     sensor: Vec<SensorAssignment>,
     #[command(flatten)]
@@ -135,7 +141,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if comparison.failures.is_empty() { Ok(()) } else { Err(super::AnswerIsNo.into()) }
 }
 
-/// Normalised errors where the simulated side is a scene that states its uncertainty; without a tolerance they give the verdict.
+/// Normalised errors where the simulated side is a scene that states its uncertainty; without a
+/// tolerance they give the verdict.
 fn errors(
     arguments: &Arguments,
     simulation: &Simulation,

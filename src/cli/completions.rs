@@ -1,4 +1,5 @@
-//! `hertzscope completions`: what the shell offers when Tab is pressed. The script asks the program itself, which knows its scenes.
+//! `hertzscope completions`: what the shell offers when Tab is pressed. The script asks the program
+//! itself, which knows its scenes.
 
 use std::ffi::OsStr;
 

@@ -29,9 +29,10 @@ use super::saved::saved;
 pub struct Arguments {
     /// A recording (.mcap), a scope's file (.csv, .isf), or a folder of them
     input: PathBuf,
-    /// By its extension: a recording (.mcap); a table (.csv, .jsonl, .parquet); a scope's file with one channel (.isf, or .csv with --as
-    /// tds); a picture of the first shot (.svg, .png, or the scope's own .bmp, .pcx, .tif, .eps); without extension a folder with ALL0000,
-    /// ALL0001, ... as the scope writes them
+    /// By its extension: a recording (.mcap); a table (.csv, .jsonl, .parquet); a scope's file with
+    /// one channel (.isf, or .csv with --as tds); a picture of the first shot (.svg, .png, or the
+    /// scope's own .bmp, .pcx, .tif, .eps); without extension a folder with ALL0000, ALL0001, ...
+    /// as the scope writes them
     output: PathBuf,
     /// Format of a .csv file
     #[arg(long = "as", value_name = "FORM", value_enum, default_value = "table")]
@@ -115,7 +116,8 @@ fn shot_by_shot(arguments: &Arguments, mut recording: IndexedRecording) -> anyho
     Ok(())
 }
 
-/// Copies a recording that is too large to be read at once into another, with what the user says of it.
+/// Copies a recording that is too large to be read at once into another, with what the user says of
+/// it.
 fn recording_shot_by_shot(
     arguments: &Arguments,
     mut recording: IndexedRecording,
@@ -290,7 +292,8 @@ fn native(capture: &Capture) -> anyhow::Result<String> {
     }
 }
 
-/// A single capture goes into the file itself, several into folders beside each other in one of the file's name.
+/// A single capture goes into the file itself, several into folders beside each other in one of the
+/// file's name.
 fn csv_file(set: &TraceSet, file: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let mut captures = set.shots.iter().flat_map(|shot| &shot.captures);
     match (captures.next(), captures.next()) {
@@ -303,11 +306,13 @@ fn csv_file(set: &TraceSet, file: &Path) -> anyhow::Result<Vec<PathBuf>> {
     }
 }
 
-/// One folder a shot, one file a channel with set-up and screen, numbered on from what is there as the scope does.
+/// One folder a shot, one file a channel with set-up and screen, numbered on from what is there as
+/// the scope does.
 fn folders(set: &TraceSet, parent: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let mut written = Vec::new();
     for shot in set.shots.iter().filter(|shot| !shot.captures.is_empty()) {
-        // Everything is put into words before a folder is made: a capture that cannot be written leaves no half of it.
+        // Everything is put into words before a folder is made: a capture that cannot be written
+        // leaves no half of it.
         let contents = contents(set, shot)?;
         let name = |number| format!("ALL{number:04}");
         let files = |number| {

@@ -16,7 +16,8 @@ use crate::report::{self, WorkMeasure};
 use crate::scene::Scene;
 use crate::studies::cost::{CostStudy, TIMED_RUNS, study};
 
-/// Show what accuracy costs in time: errors and computing time of each accuracy, then of every method and setting
+/// Show what accuracy costs in time: errors and computing time of each accuracy, then of every
+/// method and setting
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// An included scene, or the path of a scene file

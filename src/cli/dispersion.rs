@@ -22,7 +22,8 @@ const FREQUENCY_MARGIN: f64 = 1.2;
 /// A share in percent (1).
 const PERCENT: f64 = 0.01;
 
-/// Show frequency and wavenumber of the waves in a simulated recording, with the chain's dispersion relation
+/// Show frequency and wavenumber of the waves in a simulated recording, with the chain's dispersion
+/// relation
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// A simulated recording (.mcap): waves are found in the contact forces along the chain

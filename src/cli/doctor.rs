@@ -7,7 +7,8 @@ use super::AnswerIsNo;
 use crate::chain::simd::{InstructionSet, VARIABLE};
 use crate::studies::doctor::{Check, examine};
 
-/// Check the installation: shipped files, instruction sets of the processor, a run against an independent reference; exit code 1 if anything is wrong
+/// Check the installation: shipped files, instruction sets of the processor, a run against an
+/// independent reference; exit code 1 if anything is wrong
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// Print what was found as JSON

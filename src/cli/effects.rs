@@ -1,4 +1,5 @@
-//! `hertzscope effects`: which effects are on, what each changes, its time, and whether the scene needs it.
+//! `hertzscope effects`: which effects are on, what each changes, its time, and whether the scene
+//! needs it.
 
 use clap::Args;
 
@@ -9,13 +10,15 @@ use crate::report;
 use crate::scene::Scene;
 use crate::studies::effects::ledger;
 
-/// Show which effects a scene includes: what each changes, its computing time, and whether the scene needs it
+/// Show which effects a scene includes: what each changes, its computing time, and whether the
+/// scene needs it
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// An included scene, or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
-    /// Accuracy of the runs that are compared, 1e-11 to 0.1, or auto: what the scope can resolve [default: the scene's, else auto]
+    /// Accuracy of the runs that are compared, 1e-11 to 0.1, or auto: what the scope can resolve
+    /// [default: the scene's, else auto]
     #[arg(long, value_name = "X", value_parser = AccuracyArguments::parse, allow_hyphen_values = true)]
     accuracy: Option<AccuracyArguments>,
     /// Add the criterion by which each effect is on or off

@@ -21,19 +21,22 @@ use crate::report;
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
 use crate::scene::{LOOSEST_ACCURACY, TIGHTEST_ACCURACY};
 
-/// Fit parameters of a scene to measured traces, with uncertainties: least squares, sensor and scope included
+/// Fit parameters of a scene to measured traces, with uncertainties: least squares, sensor and
+/// scope included
 #[derive(Debug, Args)]
 #[allow(clippy::struct_excessive_bools, reason = "switches of a command line")]
 pub struct Arguments {
-    /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them, or a scope's address for one shot, then the scene; with --blind,
-    /// only the scene
+    /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them, or a scope's address for
+    /// one shot, then the scene; with --blind, only the scene
     #[arg(value_names = ["MEASURED", "SCENE"], num_args = 1..=2, required = true)]
     inputs: Vec<String>,
-    /// Parameters to fit, by their paths in the scene, e.g. `striker.speed,materials.ptfe.youngs_modulus`; in `particles.*.mass` the * is
-    /// every name, each a parameter; PATH=VALUE sets the start
+    /// Parameters to fit, by their paths in the scene, e.g.
+    /// `striker.speed,materials.ptfe.youngs_modulus`; in `particles.*.mass` the * is every name,
+    /// each a parameter; PATH=VALUE sets the start
     #[arg(long, value_name = "PATHS", value_delimiter = ',', required = true)]
     free: Vec<String>,
-    /// Simulated sensor of a measured channel, e.g. CH1=p2,CH2=p14 [default: as recorded, else equal numbers]
+    /// Simulated sensor of a measured channel, e.g. CH1=p2,CH2=p14
+    /// [default: as recorded, else equal numbers]
     #[arg(long, value_name = "CH=SENSOR", value_delimiter = ',', value_parser = assignment)]
     map: Vec<Assignment>,
     #[command(flatten)]
@@ -43,7 +46,8 @@ pub struct Arguments {
     /// Also fit a gain for each channel, without prior knowledge of it
     #[arg(long, conflicts_with = "gain_u")]
     gains: bool,
-    /// Relative standard uncertainty of each channel's gain, e.g. 3%; 0 for exact ones [default: from the scope's and the sensor's files]
+    /// Relative standard uncertainty of each channel's gain, e.g. 3%; 0 for exact ones
+    /// [default: from the scope's and the sensor's files]
     #[arg(long, value_name = "SHARE", value_parser = share)]
     gain_u: Option<f64>,
     /// Take the zeros of the channels as exact: do not fit an offset for each
@@ -58,7 +62,8 @@ pub struct Arguments {
     /// Number of starting points, the scene's values among them
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     starts: u32,
-    /// Largest relative distance of starting points, or with --blind of true values, from the scene's values
+    /// Largest relative distance of starting points, or with --blind of true values, from the
+    /// scene's values
     #[arg(long, value_name = "SHARE", default_value = "10%", value_parser = share)]
     spread: f64,
     /// Random seed of starting points and true values
@@ -70,7 +75,8 @@ pub struct Arguments {
     /// Compute profile-likelihood intervals of all parameters, not only of poorly determined ones
     #[arg(long)]
     profile: bool,
-    /// Test the fit: simulate this many measurements with random true values; shows how many intervals contain them
+    /// Test the fit: simulate this many measurements with random true values; shows how many
+    /// intervals contain them
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000), conflicts_with_all = ["output", "report"])]
     blind: Option<u32>,
     /// Write the fitted scene, with SCENE as its base, into this file

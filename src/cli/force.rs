@@ -17,7 +17,8 @@ use crate::report;
 /// Convert volts into newtons by the sensors' calibration: corrected for droop, with uncertainties
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them, or a scope's address (see `acquire`) to record one shot from
+    /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them, or a scope's address
+    /// (see `acquire`) to record one shot from
     file: PathBuf,
     #[command(flatten)]
     reading: ReadingArguments,

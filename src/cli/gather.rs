@@ -13,12 +13,14 @@ use crate::sweep::gather::GatheredLogs;
 use crate::sweep::summary::GatherSummary;
 use crate::sweep::table;
 
-/// Join the logs of a sweep's parts into one table and list missing runs; exit code 1 if there are any
+/// Join the logs of a sweep's parts into one table and list missing runs; exit code 1 if there are
+/// any
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// Folder of the logs, GRID.sweep
     folder: PathBuf,
-    /// Table to write, .csv, .jsonl or .parquet; may be repeated [default: GRID.csv beside the folder]
+    /// Table to write, .csv, .jsonl or .parquet; may be repeated
+    /// [default: GRID.csv beside the folder]
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
     #[command(flatten)]

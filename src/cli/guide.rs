@@ -1,4 +1,5 @@
-//! What `--help` and the manual say of each command beside its options: its group, an example, exit codes, and the page of the docs.
+//! What `--help` and the manual say of each command beside its options: its group, an example, exit
+//! codes, and the page of the docs.
 
 use std::fmt::Write as _;
 

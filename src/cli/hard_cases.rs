@@ -7,7 +7,8 @@ use super::progress::JobProgress;
 use crate::report;
 use crate::studies::hard_cases::{CaseVerdict, run_all};
 
-/// Run cases that are hard to integrate: each must meet its error bound or be refused; exit code 1 if one fails
+/// Run cases that are hard to integrate: each must meet its error bound or be refused; exit code 1
+/// if one fails
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// Add what makes each case hard, its error bound and the result closest to the bound

@@ -1,12 +1,13 @@
-//! `hertzscope help`: a command, or every key of a scene, a calibration plan, a laboratory or a sweep.
+//! `hertzscope help`: a command, or every key of a scene, a calibration plan, a laboratory or a
+//! sweep.
 
 use anyhow::bail;
 use clap::Args;
 
 use crate::data;
 
-/// Explain a command, or print a scene (`help scene`), a calibration plan (`help plan`), a laboratory (`help lab`) or a sweep (`help grid`) with
-/// every key, unit and default
+/// Explain a command, or print a scene (`help scene`), a calibration plan (`help plan`), a
+/// laboratory (`help lab`) or a sweep (`help grid`) with every key, unit and default
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// A command, `scene`, `plan`, `lab`, or `grid` [default: list the commands]

@@ -15,7 +15,8 @@ use crate::trace::Trace;
 /// Show what is in a recording or a scope's file
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them, or a scope's address (see `acquire`) to record one shot from
+    /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them, or a scope's address
+    /// (see `acquire`) to record one shot from
     file: PathBuf,
     #[command(flatten)]
     table: TableArguments,

@@ -1,5 +1,5 @@
-//! What a user says of the files that a command reads: a table's columns, the bench they were taken on, and which of their shots and
-//! channels are meant.
+//! What a user says of the files that a command reads: a table's columns, the bench they were taken
+//! on, and which of their shots and channels are meant.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -28,7 +28,8 @@ const SENSOR: &str = "hertzscope:sensor/";
 /// What the columns of a table are.
 #[derive(Debug, Args)]
 pub struct TableArguments {
-    /// Columns of a table (.csv) whose header does not name them, counted from 1, e.g. time=1:ms,CH1=2:V,p14=4:N
+    /// Columns of a table (.csv) whose header does not name them, counted from 1, e.g.
+    /// time=1:ms,CH1=2:V,p14=4:N
     #[arg(long, value_name = "NAME=COLUMN:UNIT,...")]
     columns: Option<TableColumns>,
 }
@@ -193,16 +194,19 @@ fn known_channels<'a>(
 /// The bench on which a file was taken.
 #[derive(Debug, Args)]
 pub struct BenchArguments {
-    /// Scene that describes the bench (included, or a .toml file): which sensor is at which channel, distances, calibrations
+    /// Scene that describes the bench (included, or a .toml file): which sensor is at which
+    /// channel, distances, calibrations
     #[arg(long, value_name = "SCENE")]
     scene: Option<String>,
     /// Sensor of the scene at a channel, e.g. CH1=p2,CH2=p14 [default: as in the scene]
     #[arg(long, value_name = "CH=NAME", value_delimiter = ',', value_parser = assignment)]
     map: Vec<Assignment>,
-    /// Calibration of the sensor at a channel, an included sensor or a file that `calibrate` wrote, e.g. CH1=sensor.toml
+    /// Calibration of the sensor at a channel, an included sensor or a file that `calibrate` wrote,
+    /// e.g. CH1=sensor.toml
     #[arg(long, value_name = "CH=SENSOR", value_parser = wired)]
     sensor: Vec<SensorAssignment>,
-    /// Distance along the chain between two channels' sensors, with its expanded uncertainty (95 %), e.g. CH1-CH2="47.2 mm +- 0.1 mm"
+    /// Distance along the chain between two channels' sensors, with its expanded uncertainty (95
+    /// %), e.g. CH1-CH2="47.2 mm +- 0.1 mm"
     #[arg(long, value_name = "CH-CH=D", value_parser = distance)]
     distance: Vec<RecordedDistance>,
 }

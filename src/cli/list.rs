@@ -22,7 +22,8 @@ pub struct Arguments {
 /// Kinds of files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Kind {
-    /// Elastic constants, density and yield strength; `material = "NAME"` of a particle, striker or wall
+    /// Elastic constants, density and yield strength; `material = "NAME"` of a particle, striker or
+    /// wall
     Materials,
     /// Piezo plates; `model = "NAME"` of a sensor
     Sensors,
@@ -50,7 +51,8 @@ impl Kind {
     }
 }
 
-/// What a file says of itself: its title, its first comment, or its source; and the keys that a list of materials shows.
+/// What a file says of itself: its title, its first comment, or its source; and the keys that a
+/// list of materials shows.
 fn description(kind: Kind, text: &str) -> String {
     let value = |key: &str| {
         let line = text.lines().find_map(|line| line.strip_prefix(key)?.trim().strip_prefix('='));

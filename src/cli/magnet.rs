@@ -1,4 +1,5 @@
-//! `hertzscope magnet`: how hard a magnet pulls the sphere, and where it pulls as hard as is wanted.
+//! `hertzscope magnet`: how hard a magnet pulls the sphere, and where it pulls as hard as is
+//! wanted.
 
 use anyhow::bail;
 use clap::Args;
@@ -19,7 +20,8 @@ pub struct Arguments {
     /// An included magnet, or the path of a magnet's file
     #[arg(default_value = "ring-15-6-6")]
     name: String,
-    /// Show the distances at which the magnet exerts this force, e.g. 2.38N [default: the paper's 2.38 N]
+    /// Show the distances at which the magnet exerts this force, e.g. 2.38N
+    /// [default: the paper's 2.38 N]
     #[arg(long, value_name = "F", value_parser = force)]
     preload: Option<f64>,
     /// Show the force at this distance of the sphere's centre from the magnet's face, e.g. 0.4mm

@@ -61,7 +61,8 @@ const EXIT_ANSWER_NO: u8 = 1;
 /// Exit code of what could not be done; clap uses the same for wrong options.
 const EXIT_FAILURE: u8 = 2;
 
-/// Digital twin of a granular-chain lab bench: simulates the chain, its sensors and the oscilloscope, and analyses measured traces.
+/// Digital twin of a granular-chain lab bench: simulates the chain, its sensors and the
+/// oscilloscope, and analyses measured traces.
 #[derive(Debug, Parser)]
 #[command(name = "hertzscope", version, max_term_width = 100, disable_help_subcommand = true)]
 pub struct Arguments {
@@ -107,7 +108,8 @@ enum Command {
     Help(help::Arguments),
 }
 
-/// Makes a file that outgrows `ulimit -f` an error of that file: the signal that comes with it would end the program without a word.
+/// Makes a file that outgrows `ulimit -f` an error of that file: the signal that comes with it
+/// would end the program without a word.
 fn survive_file_limit() {
     #[cfg(unix)]
     {

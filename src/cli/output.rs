@@ -18,8 +18,9 @@ pub(super) fn is_broken_pipe(error: &anyhow::Error) -> bool {
 /// Columns of a terminal that does not say how many it has.
 const USUAL_WIDTH: usize = 80;
 
-/// Prints `text` and a line end on standard output. What comes from files and from other programs cannot command the terminal: control
-/// characters are written as `\u001b`. On a terminal, long notes are wrapped, and marked with colour.
+/// Prints `text` and a line end on standard output. What comes from files and from other programs
+/// cannot command the terminal: control characters are written as `\u001b`. On a terminal, long
+/// notes are wrapped, and marked with colour.
 pub(super) fn print(text: &str) -> anyhow::Result<()> {
     let text = printable(text);
     if !std::io::stdout().is_terminal() {
@@ -86,7 +87,8 @@ pub(super) fn print_as_it_is(text: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Whether output may be coloured: it goes to a terminal, and the environment variable `NO_COLOR` is not set.
+/// Whether output may be coloured: it goes to a terminal, and the environment variable `NO_COLOR`
+/// is not set.
 pub(super) fn is_coloured() -> bool {
     !wants_no_colour() && std::io::stdout().is_terminal()
 }

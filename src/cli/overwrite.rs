@@ -1,6 +1,8 @@
-//! Output files: their endings, and those that exist. None is replaced unless the user named it with `-o` or says `--force`.
+//! Output files: their endings, and those that exist. None is replaced unless the user named it
+//! with `-o` or says `--force`.
 //!
-//! `run` without `-o`, `serve --record` and `:write` replace nothing either: they take the next free number.
+//! `run` without `-o`, `serve --record` and `:write` replace nothing either: they take the next
+//! free number.
 
 use std::ffi::OsStr;
 use std::path::Path;

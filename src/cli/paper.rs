@@ -19,7 +19,8 @@ const TITLE: &str = "Herbold et al. (2009), recomputed";
 /// Recompute the figures and numbers of Herbold et al. (2009) and compare each with what is printed
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Write figures (SVG, PNG), their data (CSV), recordings (MCAP), and a report (Markdown, HTML) into this folder
+    /// Write figures (SVG, PNG), their data (CSV), recordings (MCAP), and a report (Markdown, HTML)
+    /// into this folder
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Only this figure, with the statements that belong to it

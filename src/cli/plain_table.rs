@@ -10,7 +10,8 @@ use crate::quantity::engineering;
 use crate::recording::{Shot, TraceSet, TrueSignal};
 use crate::trace::Trace;
 
-/// Digits that a number is printed with at most: far below a digitiser's level and a picosecond of a record.
+/// Digits that a number is printed with at most: far below a digitiser's level and a picosecond of
+/// a record.
 const PRINTED_DIGITS: usize = 12;
 
 /// What a table holds beside times and voltages.
@@ -146,7 +147,8 @@ fn truth(shot: &Shot, axis: &Trace) -> anyhow::Result<Vec<TableColumn>> {
     Ok(columns.collect())
 }
 
-/// The value at `time` on the straight line between neighbouring samples; not a number outside the record.
+/// The value at `time` on the straight line between neighbouring samples; not a number outside the
+/// record.
 fn interpolated(trace: &Trace, time: f64) -> f64 {
     let place = (time - trace.start) / trace.interval;
     // Also a place that is not a number.

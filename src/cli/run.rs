@@ -33,11 +33,12 @@ pub struct Arguments {
     /// An included scene (`hertzscope scenes` lists them), or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
-    /// Recording to write, replacing what is there [default: SCENE.mcap; if it exists, SCENE-2.mcap and so on]
+    /// Recording to write, replacing what is there
+    /// [default: SCENE.mcap; if it exists, SCENE-2.mcap and so on]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Relative error allowed in first-peak forces and times, 1e-11 to 0.1, or auto: what the scope can resolve [default: the scene's, else
-    /// auto]
+    /// Relative error allowed in first-peak forces and times, 1e-11 to 0.1, or auto: what the scope
+    /// can resolve [default: the scene's, else auto]
     #[arg(long, value_name = "X", value_parser = AccuracyArguments::parse, allow_hyphen_values = true, conflicts_with_all = ["method", "step", "tolerance"])]
     accuracy: Option<AccuracyArguments>,
     /// Integration method, with --step or --tolerance, instead of --accuracy
@@ -46,21 +47,24 @@ pub struct Arguments {
     /// Step of --method, e.g. 50ns
     #[arg(long, value_name = "T", value_parser = step, allow_hyphen_values = true, requires = "method", conflicts_with = "tolerance")]
     step: Option<f64>,
-    /// Error allowed in each step of --method, relative to the largest change of overlap and the largest speed, e.g. 1e-8
+    /// Error allowed in each step of --method, relative to the largest change of overlap and the
+    /// largest speed, e.g. 1e-8
     #[arg(long, value_name = "X", value_parser = tolerance, allow_hyphen_values = true, requires = "method")]
     tolerance: Option<f64>,
     /// Random seed of noise and sampling phase [default: the scene's]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// How often over the scene's duration the recording keeps the forces of all contacts and the displacements of all bodies, 2 to 50000: more
-    /// for the spectra of a long run, fewer for a small file (sensors' forces are kept at the scope's samples) [default: the scene's, else 200]
+    /// How often over the scene's duration the recording keeps the forces of all contacts and the
+    /// displacements of all bodies, 2 to 50000: more for the spectra of a long run, fewer for a
+    /// small file (sensors' forces are kept at the scope's samples)
+    /// [default: the scene's, else 200]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(i64::from(*FRAMES.start())..=i64::from(*FRAMES.end())))]
     frames: Option<u32>,
     /// Number of impacts, each with its own noise and striker speed, in one recording
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=MAX_SHOTS), conflicts_with = "bands")]
     shots: u32,
-    /// Also propagate the uncertainties in the scene's `[uncertainty]`: 95 % intervals of peaks, arrivals and speeds; with --json also of
-    /// the traces
+    /// Also propagate the uncertainties in the scene's `[uncertainty]`: 95 % intervals of peaks,
+    /// arrivals and speeds; with --json also of the traces
     #[arg(long)]
     bands: bool,
     #[command(flatten)]
@@ -70,7 +74,8 @@ pub struct Arguments {
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
-    /// Print no summary (unless --json asks for it), only errors and the name of the recording, on standard error
+    /// Print no summary (unless --json asks for it), only errors and the name of the recording, on
+    /// standard error
     #[arg(short, long)]
     quiet: bool,
 }

@@ -17,8 +17,8 @@ pub struct Saved {
     pub screen: Screen,
 }
 
-/// Set-up and screen of a shot: by the scene that travels with the recording, by the `.SET` file that was imported with the
-/// captures, or, for the screen, by what the captures tell.
+/// Set-up and screen of a shot: by the scene that travels with the recording, by the `.SET` file
+/// that was imported with the captures, or, for the screen, by what the captures tell.
 ///
 /// # Errors
 /// [`SceneError`] for a recording whose scene cannot be read any more.

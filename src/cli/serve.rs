@@ -38,7 +38,8 @@ pub struct Arguments {
     /// Also listen for VXI-11 on this port of the same address; 0: any free port
     #[arg(long, value_name = "PORT")]
     vxi11: Option<u16>,
-    /// Run a port mapper on this port, where VXI-11 clients ask for the VXI-11 port; most ask port 111, which needs privileges; 0: any free port
+    /// Run a port mapper on this port, where VXI-11 clients ask for the VXI-11 port; most ask port
+    /// 111, which needs privileges; 0: any free port
     #[arg(long, value_name = "PORT", requires = "vxi11")]
     port_mapper: Option<u16>,
     /// Strike the chain at this interval, e.g. 2s [default: only when a client sends BENCh:IMPact]
@@ -47,10 +48,12 @@ pub struct Arguments {
     /// Strike the chain at each line on standard input: press Enter in this terminal
     #[arg(long)]
     impact_on_enter: bool,
-    /// Write every command, reply and triggered waveform to this recording (.mcap); if it exists, a number is appended
+    /// Write every command, reply and triggered waveform to this recording (.mcap); if it exists, a
+    /// number is appended
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
-    /// Write a line for each connection, command, reply, error and impact, to standard error or to FILE
+    /// Write a line for each connection, command, reply, error and impact, to standard error or to
+    /// FILE
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "-")]
     log: Option<PathBuf>,
     #[arg(long, value_name = "KIND", help = FAULTS_HELP, long_help = faults_help())]
@@ -144,7 +147,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut announced = Ok(());
     let shutdown = async {
         let stopped = stopped();
-        // Only after signals are handled: a reader of this line may end the program at once, and the recording must be complete.
+        // Only after signals are handled: a reader of this line may end the program at once, and
+        // the recording must be complete.
         announced = super::print(&told);
         if announced.is_ok() {
             stopped.await;
@@ -263,8 +267,8 @@ fn lines() -> mpsc::Receiver<()> {
     receiver
 }
 
-/// What waits for Ctrl-C, for what ends a service, or for a terminal that is closed; all are listened to from now on. Where they cannot be, the system ends the program by
-/// itself.
+/// What waits for Ctrl-C, for what ends a service, or for a terminal that is closed; all are
+/// listened to from now on. Where they cannot be, the system ends the program by itself.
 #[cfg(unix)]
 fn stopped() -> impl Future<Output = ()> {
     use std::io;

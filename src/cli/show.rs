@@ -4,7 +4,8 @@ use clap::Args;
 
 use crate::scene::resolved::resolved;
 
-/// Print a scene with everything it is based on and every default, as a scene that gives the same run
+/// Print a scene with everything it is based on and every default, as a scene that gives the same
+/// run
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// An included scene, or the path of a scene file

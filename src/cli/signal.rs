@@ -45,7 +45,8 @@ pub fn time(text: &str) -> Result<f64, String> {
 /// Which signal of a recording, and which part of it.
 #[derive(Debug, Args)]
 pub struct SignalArguments {
-    /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them, or a scope's address (see `acquire`) to record one shot from
+    /// A recording (.mcap), a scope's file (.csv, .isf), a folder of them, or a scope's address
+    /// (see `acquire`) to record one shot from
     file: PathBuf,
     #[command(flatten)]
     reading: ReadingArguments,
@@ -144,7 +145,8 @@ fn topics(shot: &Shot) -> Vec<String> {
     told.collect()
 }
 
-/// The truth called `name`, in full, by its topic, or a sensor's by the sensor's name. What it starts from is its static part.
+/// The truth called `name`, in full, by its topic, or a sensor's by the sensor's name. What it
+/// starts from is its static part.
 fn truth(set: &TraceSet, shot: &Shot, name: &str) -> anyhow::Result<SelectedSignal> {
     let name = name.trim_start_matches("/truth/");
     let of_sensor = |trace: &Trace| TrueSignal::of(trace)?.sensor().map(str::to_owned);

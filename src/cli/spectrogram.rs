@@ -10,7 +10,8 @@ use crate::analysis::time_frequency::{Pieces, Spectrogram};
 use crate::measurement::metadata;
 use crate::report::spectrogram::{SpectrogramPage, svg, text};
 
-/// Without a highest frequency or band edges, the map ends at this share of half the sampling frequency (1).
+/// Without a highest frequency or band edges, the map ends at this share of half the sampling
+/// frequency (1).
 const SHOWN_SHARE: f64 = 0.25;
 /// With band edges it ends at this multiple of the highest (1).
 const BAND_MARGIN: f64 = 1.5;
@@ -20,8 +21,8 @@ const BAND_MARGIN: f64 = 1.5;
 pub struct Arguments {
     #[command(flatten)]
     signal: SignalArguments,
-    /// Length of a segment, e.g. 200us; the frequency resolution is 1/length [default: a sixteenth of the record, or
-    /// what it takes to show the band gap]
+    /// Length of a segment, e.g. 200us; the frequency resolution is 1/length
+    /// [default: a sixteenth of the record, or what it takes to show the band gap]
     #[arg(long, value_name = "T", value_parser = time)]
     segment: Option<f64>,
     /// Time from one segment to the next [default: a thirty-second part of a segment]

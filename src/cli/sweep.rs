@@ -26,12 +26,14 @@ use crate::sweep::summary::SweepSummary;
 use crate::sweep::table;
 use crate::sweep::work::{SweepOptions, work};
 
-/// Run a scene with thousands of parameter values: grid, random or Latin hypercube; an interrupted sweep resumes
+/// Run a scene with thousands of parameter values: grid, random or Latin hypercube; an interrupted
+/// sweep resumes
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// The sweep (TOML): a scene and the values to run it with; `hertzscope help grid` shows one
     grid: PathBuf,
-    /// Table to write when all runs are finished, .csv, .jsonl or .parquet; may be repeated [default: GRID.csv]
+    /// Table to write when all runs are finished, .csv, .jsonl or .parquet; may be repeated
+    /// [default: GRID.csv]
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
     #[command(flatten)]
@@ -39,16 +41,19 @@ pub struct Arguments {
     /// Folder of the logs of finished runs [default: GRID.sweep]
     #[arg(long, value_name = "DIR")]
     folder: Option<PathBuf>,
-    /// Run only part K of N, 1/N to N/N; `hertzscope gather` joins them [default: from a Slurm array's task, else all]
+    /// Run only part K of N, 1/N to N/N; `hertzscope gather` joins them
+    /// [default: from a Slurm array's task, else all]
     #[arg(long, value_name = "K/N")]
     shard: Option<String>,
     /// Number of threads [default: one for each processor]
     #[arg(long, value_name = "N")]
     threads: Option<NonZero<usize>>,
-    /// Relative error allowed in first-peak forces and times, e.g. 1e-3 [default: the sweep's, else each scene's]
+    /// Relative error allowed in first-peak forces and times, e.g. 1e-3
+    /// [default: the sweep's, else each scene's]
     #[arg(long, value_name = "X", value_parser = accuracy)]
     accuracy: Option<f64>,
-    /// Instruction set, avx512, avx2 or portable: with one for all, different machines give identical results [default: the best]
+    /// Instruction set, avx512, avx2 or portable: with one for all, different machines give
+    /// identical results [default: the best]
     #[arg(long, value_name = "SET")]
     instructions: Option<String>,
     /// Print what was done as JSON
@@ -173,7 +178,8 @@ impl SharedProgress {
         Self { bar: Mutex::new(bar), done: Arc::new(AtomicU64::new(before)), all }
     }
 
-    /// Has Ctrl-C end the program with a sentence on what is kept. Runs are in the `log` before they count as done.
+    /// Has Ctrl-C end the program with a sentence on what is kept. Runs are in the `log` before
+    /// they count as done.
     fn tell_when_interrupted(&self, log: String) {
         #[cfg(unix)]
         if let Ok(mut signals) = signal_hook::iterator::Signals::new([

@@ -15,7 +15,8 @@ use crate::analysis::transfer::{TransferSettings, transfer};
 use crate::report::transfer::{TransferPage, decibels};
 use crate::scope::Waveform;
 
-/// Show the transfer function and coherence between two sensors, averaged over shots, with the band gap
+/// Show the transfer function and coherence between two sensors, averaged over shots, with the band
+/// gap
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// Recordings (.mcap), a scope's files (.csv, .isf), or folders of them, to average over
@@ -32,7 +33,8 @@ pub struct Arguments {
     /// The window function of each segment
     #[arg(long, value_enum, default_value_t = WindowChoice::Rectangular)]
     window: WindowChoice,
-    /// Start, e.g. -200us: after the trigger, or for simulated signals after the striker's first contact
+    /// Start, e.g. -200us: after the trigger, or for simulated signals after the striker's first
+    /// contact
     #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
     from: Option<f64>,
     /// End

@@ -1,4 +1,5 @@
-//! `hertzscope tunability`: band edges, speeds and what arrives, over preload, masses, modulus and striker.
+//! `hertzscope tunability`: band edges, speeds and what arrives, over preload, masses, modulus and
+//! striker.
 
 use std::sync::Mutex;
 

@@ -32,16 +32,19 @@ const FILE_POLL_INTERVAL: Duration = Duration::from_millis(100);
 /// Bytes at the beginning of every recording.
 const MCAP_MAGIC_LENGTH: u64 = 8;
 
-/// Look at a recording on the scope's screen in the terminal, operate a simulated bench, or watch a served scope
+/// Look at a recording on the scope's screen in the terminal, operate a simulated bench, or watch a
+/// served scope
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// A recording (.mcap), a scope's file (.csv, .isf) or a folder of them; an included scene or a .toml file; or the address of a served or
-    /// real scope, e.g. tcp://HOST:PORT (see `acquire`)
+    /// A recording (.mcap), a scope's file (.csv, .isf) or a folder of them; an included scene or a
+    /// .toml file; or the address of a served or real scope, e.g. tcp://HOST:PORT (see `acquire`)
     what: String,
-    /// Further recordings, files or folders: on the same axes, dotted; the key O brings the next one to the front
+    /// Further recordings, files or folders: on the same axes, dotted; the key O brings the next
+    /// one to the front
     #[arg(value_name = "RECORDING")]
     behind: Vec<PathBuf>,
-    /// Show each new shot of a recording that is still being written, or does not exist yet; stepping back to an older shot stops this, the key End resumes it
+    /// Show each new shot of a recording that is still being written, or does not exist yet;
+    /// stepping back to an older shot stops this, the key End resumes it
     #[arg(long)]
     follow: bool,
     #[command(flatten)]
@@ -49,7 +52,8 @@ pub struct Arguments {
     /// Compare with this recording, folder or scene
     #[arg(long, value_name = "WHAT")]
     against: Option<String>,
-    /// With a scope's address: record the traces shown (.mcap); if the file exists, a number is appended
+    /// With a scope's address: record the traces shown (.mcap); if the file exists, a number is
+    /// appended
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
 }
@@ -102,8 +106,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The further recordings, and a name for each and for the one that is called `first`: the file's, or the whole path where two files have
-/// the same name.
+/// The further recordings, and a name for each and for the one that is called `first`: the file's,
+/// or the whole path where two files have the same name.
 fn behind(
     arguments: &Arguments,
     first: String,
@@ -167,7 +171,8 @@ fn watch(arguments: &Arguments, address: &Address) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The bench of a scene, which is read here so that its problems are told before the screen is taken.
+/// The bench of a scene, which is read here so that its problems are told before the screen is
+/// taken.
 fn bench(scene: &str) -> anyhow::Result<ViewSource> {
     Scene::load(scene)?;
     let base = match std::fs::canonicalize(scene) {

@@ -1,9 +1,11 @@
 //! Takes one shot after the other from a scope.
 //!
-//! For each shot the scope is armed for a single sequence, so that it holds the record of one trigger until all channels are read. It is asked
-//! for its state until it has stopped; no query blocks. A line that fails is opened again for as long as it takes: the scope holds its record
-//! meanwhile, and the read-out begins anew. A shot counts if the scope was not started during the read-out and all that was read twice was
-//! the same; otherwise it is dropped, and said. In the trigger mode `AUTO` a scope also takes records without a trigger: it is `NORMAL` meanwhile.
+//! For each shot the scope is armed for a single sequence, so that it holds the record of one
+//! trigger until all channels are read. It is asked for its state until it has stopped; no query
+//! blocks. A line that fails is opened again for as long as it takes: the scope holds its record
+//! meanwhile, and the read-out begins anew. A shot counts if the scope was not started during the
+//! read-out and all that was read twice was the same; otherwise it is dropped, and said. In the
+//! trigger mode `AUTO` a scope also takes records without a trigger: it is `NORMAL` meanwhile.
 
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -23,9 +25,11 @@ use crate::scope::Source;
 
 /// Query for the state of the acquisition.
 const STATE_QUERY: &str = ":ACQ:STATE?;STOPA?;NUMAC?;:TRIG:STATE?";
-/// Arms the scope for one trigger. The reply says that it was done: otherwise the record of before would be taken for a new one.
+/// Arms the scope for one trigger. The reply says that it was done: otherwise the record of before
+/// would be taken for a new one.
 const ARM: &str = ":ACQ:STOPA SEQ;STATE RUN;STATE?";
-/// A query that fails so often over a line that works has no answer: this is another kind of instrument.
+/// A query that fails so often over a line that works has no answer: this is another kind of
+/// instrument.
 const MAX_FAILURES: u32 = 20;
 /// How often it is looked whether to stop while a line is down.
 const STOP_POLL_INTERVAL: Duration = Duration::from_millis(50);
@@ -222,7 +226,8 @@ impl ShotAcquisition {
         self.client.send(&self.form.commands())
     }
 
-    /// Arms the scope and waits until it has triggered: its state, when it told, and how long ago it last told otherwise.
+    /// Arms the scope and waits until it has triggered: its state, when it told, and how long ago
+    /// it last told otherwise.
     fn wait_for_trigger(
         &mut self,
         stop: &AtomicBool,
@@ -263,8 +268,8 @@ impl ShotAcquisition {
         Ok((now, ScopeState::read(&self.client.ask(STATE_QUERY)?)?))
     }
 
-    /// Reads set-up and records of the scope, which has stopped in `held`; or why they are of no use. What was read before a line failed
-    /// stands in `seen`.
+    /// Reads set-up and records of the scope, which has stopped in `held`; or why they are of no
+    /// use. What was read before a line failed stands in `seen`.
     fn read_out(
         &mut self,
         held: ScopeState,
@@ -303,7 +308,8 @@ impl ShotAcquisition {
         Ok(if is_held { Ok((set_up, captures)) } else { Err(RESTARTED) })
     }
 
-    /// Does `act`, again after each failure of the line; none once `stop` is set while the line is down.
+    /// Does `act`, again after each failure of the line; none once `stop` is set while the line is
+    /// down.
     fn persist<T>(
         &mut self,
         stop: &AtomicBool,
@@ -374,7 +380,8 @@ fn trigger(panel: &SetFile) -> String {
     }
 }
 
-/// The trigger mode unless it is `NORMAL`, the commands that put mode and acquisition back, and the front panel.
+/// The trigger mode unless it is `NORMAL`, the commands that put mode and acquisition back, and the
+/// front panel.
 fn settings(client: &mut Client) -> io::Result<(Option<String>, String, SetFile)> {
     let told = client.ask(":ACQ:STOPA?;STATE?;:TRIG:MAI:MOD?")?;
     let [stop_after, state, mode] = words(&told)?;

@@ -100,7 +100,8 @@ const SOCKET_EXAMPLE: &str = "e.g. tcp://127.0.0.1:5025";
 const SERIAL_EXAMPLE: &str = "e.g. serial:/dev/ttyUSB0?baud=19200";
 const PROLOGIX_EXAMPLE: &str = "e.g. prologix://192.168.1.20?gpib=1";
 
-/// `HOST:PORT`, with `usual` where there is no port; none where there is no host, or the port is no number.
+/// `HOST:PORT`, with `usual` where there is no port; none where there is no host, or the port is no
+/// number.
 fn host_and_port(text: &str, usual: Option<u16>) -> Option<String> {
     let is_open = |host: &str| host.contains(':') && !host.ends_with(']');
     let (host, port) = match text.rsplit_once(':') {

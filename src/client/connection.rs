@@ -18,7 +18,8 @@ const MAX_RECORDS: usize = 9;
 const RECORD_PREFIX: &str = ":WFMP";
 /// A line is quiet after so long without a byte: at 300 baud a byte takes 33 ms.
 const QUIET_INTERVAL: Duration = Duration::from_millis(300);
-/// A line that is not quiet after so long is not a scope's: its longest reply takes 90 s at 300 baud.
+/// A line that is not quiet after so long is not a scope's: its longest reply takes 90 s at 300
+/// baud.
 const DRAIN_TIMEOUT: Duration = Duration::from_secs(120);
 
 /// A connection to a scope.
@@ -41,7 +42,8 @@ impl Client {
         let line = open(address)?;
         let mut client =
             Self { address: address.clone(), line, reply_timeout, received: (Vec::new(), 0) };
-        // A new socket is empty; what is behind other lines may still send what its last user asked for.
+        // A new socket is empty; what is behind other lines may still send what its last user asked
+        // for.
         if !matches!(address, Address::Socket(_)) {
             client.clear()?;
         }
@@ -114,7 +116,8 @@ impl Client {
         String::from_utf8(line).map_err(|_| invalid_reply("a reply that is no text"))
     }
 
-    /// Sends a message that asks for records, too: what is answered before the first, and each with preamble and block.
+    /// Sends a message that asks for records, too: what is answered before the first, and each with
+    /// preamble and block.
     ///
     /// # Errors
     /// The system's error; also for an invalid block.
@@ -147,7 +150,8 @@ impl Client {
         Ok((head.unwrap_or_else(rest), records))
     }
 
-    /// The next byte after the ends of lines, since the reply before may have ended with two of them.
+    /// The next byte after the ends of lines, since the reply before may have ended with two of
+    /// them.
     fn first_byte(&mut self) -> io::Result<u8> {
         for _ in 0..MAX_REPLY_LENGTH {
             match self.byte()? {

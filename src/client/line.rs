@@ -26,7 +26,8 @@ pub trait Line: Debug + Send {
     /// Reads at least one byte into `buffer`; returns how many.
     ///
     /// # Errors
-    /// [`ErrorKind::TimedOut`] where nothing comes within `limit`, [`ErrorKind::UnexpectedEof`] where nothing can come any more.
+    /// [`ErrorKind::TimedOut`] where nothing comes within `limit`, [`ErrorKind::UnexpectedEof`]
+    /// where nothing can come any more.
     fn read(&mut self, buffer: &mut [u8], limit: Duration) -> io::Result<usize>;
 
     /// Asks the instrument to drop what it still has to send, where the line has a way to say so.

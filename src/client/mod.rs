@@ -1,11 +1,12 @@
 //! The other side of a scope: connects to a real one or to a served one, and takes its traces.
 //!
-//! An [`Address`] names a line (raw socket, RS-232, GPIB behind a Prologix adapter), a [`Client`] sends messages over it and checks
-//! what comes back, and a [`ShotAcquisition`] arms the scope, waits for triggers and reads set-up and records. Everything is synchronous: a
-//! thread that waits for a scope has nothing else to do. Commands are those of Tektronix' programmer manual 071-1075, which hold for the
-//! TDS200, TDS1000, TDS2000, TPS2000 and TBS1000 families.
-//! Limits: single bytes that a noisy line changes are not noticed, since the instruments send no checksums; impacts that come while records are
-//! read out are missed.
+//! An [`Address`] names a line (raw socket, RS-232, GPIB behind a Prologix adapter), a [`Client`]
+//! sends messages over it and checks what comes back, and a [`ShotAcquisition`] arms the scope,
+//! waits for triggers and reads set-up and records. Everything is synchronous: a thread that waits
+//! for a scope has nothing else to do. Commands are those of Tektronix' programmer manual 071-1075,
+//! which hold for the TDS200, TDS1000, TDS2000, TPS2000 and TBS1000 families. Limits: single bytes
+//! that a noisy line changes are not noticed, since the instruments send no checksums; impacts that
+//! come while records are read out are missed.
 
 mod acquisition;
 mod address;

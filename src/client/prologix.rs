@@ -1,8 +1,10 @@
-//! GPIB behind a Prologix GPIB-to-Ethernet adapter, or one that understands the same `++` commands (AR488).
+//! GPIB behind a Prologix GPIB-to-Ethernet adapter, or one that understands the same `++` commands
+//! (AR488).
 //!
-//! The adapter is the controller (`++mode 1`), and reads from the instrument only when it is told to (`++auto 0`, `++read eoi`): an instrument that
-//! is told to talk without a query would report an error. In data, the bytes that the adapter takes for its own are escaped.
-//! Source: Prologix GPIB-ETHERNET Controller User Manual, version 1.6.6.0, sections 8 and 9.
+//! The adapter is the controller (`++mode 1`), and reads from the instrument only when it is told
+//! to (`++auto 0`, `++read eoi`): an instrument that is told to talk without a query would report
+//! an error. In data, the bytes that the adapter takes for its own are escaped. Source: Prologix
+//! GPIB-ETHERNET Controller User Manual, version 1.6.6.0, sections 8 and 9.
 
 use std::io;
 use std::time::Duration;
@@ -20,13 +22,15 @@ const SPECIAL: [u8; 4] = [b'\r', b'\n', ESCAPE, b'+'];
 pub struct PrologixLine(SocketLine);
 
 impl PrologixLine {
-    /// Connects to the adapter at `address`, `HOST:PORT`, and sets it up for the instrument at bus address `gpib`.
+    /// Connects to the adapter at `address`, `HOST:PORT`, and sets it up for the instrument at bus
+    /// address `gpib`.
     ///
     /// # Errors
     /// The system's error.
     pub fn connect(address: &str, gpib: u8) -> io::Result<Self> {
         let mut socket = SocketLine::connect(address)?;
-        // Settings stay out of the adapter's memory; messages end with LF and EOI; 3 s is its longest time limit.
+        // Settings stay out of the adapter's memory; messages end with LF and EOI; 3 s is its
+        // longest time limit.
         let set_up = format!(
             "++savecfg 0\n++mode 1\n++addr {gpib}\n++auto 0\n++eoi 1\n++eos 2\n++eot_enable 0\n++read_tmo_ms 3000\n"
         );

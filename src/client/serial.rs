@@ -1,4 +1,5 @@
-//! RS-232, as the TDS2CM module has it: 8 data bits, no parity, one stop bit, hard flagging by RTS and CTS.
+//! RS-232, as the TDS2CM module has it: 8 data bits, no parity, one stop bit, hard flagging by RTS
+//! and CTS.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind, Read as _, Write as _};
@@ -108,7 +109,8 @@ impl Line for SerialLine {
         }
     }
 
-    /// A break makes the instrument drop what it has to send, and say `DCL`. Source: programmer manual 071-1075, "RS-232 Break Signal".
+    /// A break makes the instrument drop what it has to send, and say `DCL`. Source: programmer
+    /// manual 071-1075, "RS-232 Break Signal".
     fn clear(&mut self) -> io::Result<()> {
         Ok(tcsendbreak(&self.0)?)
     }

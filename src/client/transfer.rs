@@ -1,7 +1,8 @@
 //! How replies look, and the transfer of records.
 //!
-//! Both are settings of the instrument that others may have made theirs: replies' form is put back at the end, and the settings of the
-//! transfer (`DATa`) are set, used and put back within one message, which the instrument carries out as a whole.
+//! Both are settings of the instrument that others may have made theirs: replies' form is put back
+//! at the end, and the settings of the transfer (`DATa`) are set, used and put back within one
+//! message, which the instrument carries out as a whole.
 
 use std::io;
 

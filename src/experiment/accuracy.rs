@@ -1,4 +1,5 @@
-//! Which accuracy a run is held to where nobody names one, and how far off what the user reads may be.
+//! Which accuracy a run is held to where nobody names one, and how far off what the user reads may
+//! be.
 
 use std::cell::{Cell, LazyCell};
 use std::time::Instant;
@@ -17,10 +18,12 @@ use crate::scene::{DEFAULT_ACCURACY, LOOSEST_ACCURACY, Scene, TIGHTEST_ACCURACY}
 
 /// Accuracy of the run that finds out how large peaks are and when they come (1).
 const COARSE: f64 = 1e-3;
-/// Share of a digitiser level and of a sample interval that may be wrong where nobody names an accuracy (1).
+/// Share of a digitiser level and of a sample interval that may be wrong where nobody names an
+/// accuracy (1).
 const SHARE: f64 = 0.1;
-/// A run is repeated with tighter steps as often as this has entries. Errors go about as the tolerance does; steps aim at this share of what is allowed, the last ones
-/// so that little is left to chance (1).
+/// A run is repeated with tighter steps as often as this has entries. Errors go about as the
+/// tolerance does; steps aim at this share of what is allowed, the last ones so that little is left
+/// to chance (1).
 const AIMS: [f64; 2] = [0.3, 0.05];
 /// Where it is not known by how much errors are too large, steps are made for this share (1).
 const UNKNOWN_ERROR_SHARE: f64 = 0.02;
@@ -34,8 +37,9 @@ pub struct ChosenAccuracy {
     pub reason: String,
 }
 
-/// The accuracy that the scope calls for: a tenth of a digitiser level of the most sensitive channel in first peaks, a tenth of a
-/// sample interval in arrivals, whichever is less; both follow from a coarse run. Without a pulse it is [`DEFAULT_ACCURACY`].
+/// The accuracy that the scope calls for: a tenth of a digitiser level of the most sensitive
+/// channel in first peaks, a tenth of a sample interval in arrivals, whichever is less; both follow
+/// from a coarse run. Without a pulse it is [`DEFAULT_ACCURACY`].
 ///
 /// # Errors
 /// [`RunError`] where the chain cannot be followed.
@@ -78,10 +82,13 @@ pub fn of_scene(scene: &Scene) -> Result<ChosenAccuracy, RunError> {
     }
 }
 
-/// Runs `scene` so that first peaks and arrivals are as accurate as asked (1), by the error estimate: a run is compared with a tighter reference run, and repeated with
-/// tighter steps, twice at most, where its errors may exceed the accuracy, those of traces `sqrt(accuracy)` before the time from which they are said to be chaotic, or
-/// where it has made or lost more than [`MOST`] of the energy in motion. What the last run lacks is noted. `progress` is called with the share of the work done, 0 to 1:
-/// the first run counts as half of it, the next as half of the rest, and so on.
+/// Runs `scene` so that first peaks and arrivals are as accurate as asked (1), by the error
+/// estimate: a run is compared with a tighter reference run, and repeated with tighter steps, twice
+/// at most, where its errors may exceed the accuracy, those of traces `sqrt(accuracy)` before the
+/// time from which they are said to be chaotic, or where it has made or lost more than [`MOST`] of
+/// the energy in motion. What the last run lacks is noted. `progress` is called with the share of
+/// the work done, 0 to 1: the first run counts as half of it, the next as half of the rest, and so
+/// on.
 ///
 /// # Errors
 /// [`RunError`] where the chain cannot be followed.
@@ -166,7 +173,8 @@ pub fn run_to_accuracy(
     }
 }
 
-/// From when on the motion of `scene` at `accuracy` (1) is not known to half of its digits, where contacts may have changed sides: others amplify no errors (s).
+/// From when on the motion of `scene` at `accuracy` (1) is not known to half of its digits, where
+/// contacts may have changed sides: others amplify no errors (s).
 pub(crate) fn known_until(scene: &Scene, accuracy: f64, changes: Option<u64>) -> Option<f64> {
     let amplifies = changes != Some(0) && !scene.chain.is_linear();
     // A motion that cannot be computed has been refused already.

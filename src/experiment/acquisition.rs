@@ -11,12 +11,14 @@ use crate::scope::{ChannelSetup, Source, TriggerSource};
 use crate::sensor::Load;
 use crate::trace::Trace;
 
-/// The further impacts of an average draw their noise as shots whose number begins so many bits further up.
+/// The further impacts of an average draw their noise as shots whose number begins so many bits
+/// further up.
 const AVERAGED_SHOT_BITS: u32 = 20;
 /// Most samples of a trace of the truth.
 const MOST_OF_TRUTH: usize = 50_000;
 
-/// The signal at each channel's probe, conditioned by the front end; `None` for channels that are off (V).
+/// The signal at each channel's probe, conditioned by the front end; `None` for channels that are
+/// off (V).
 pub fn signals(scene: &Scene, bench: &Bench<'_>, shot: u32) -> Vec<Option<Vec<f64>>> {
     let setup = &scene.scope;
     let signal = |number: u8, channel: &ChannelSetup| {
@@ -68,7 +70,8 @@ pub fn trigger_scale(scene: &Scene) -> Option<f64> {
     }
 }
 
-/// Where the scope triggers on the conditioned `signals` of all channels (V). A scene never leaves the trigger to the mains.
+/// Where the scope triggers on the conditioned `signals` of all channels (V). A scene never leaves
+/// the trigger to the mains.
 pub fn trigger(
     scene: &Scene,
     bench: &Bench<'_>,
@@ -134,7 +137,8 @@ pub fn record(
     }
 }
 
-/// Averages the records with those of as many impacts as the scope is set to. The motion is the same in each, the noise is not.
+/// Averages the records with those of as many impacts as the scope is set to. The motion is the
+/// same in each, the noise is not.
 fn average(scene: &Scene, bench: &Bench<'_>, captures: &mut [Capture], number: u32) {
     let setup = &scene.scope;
     let depth = setup.acquisition.depth();

@@ -1,13 +1,18 @@
-//! Effects left to the accuracy, `state = "auto"`: off only where what they would change is below a tenth of it.
+//! Effects left to the accuracy, `state = "auto"`: off only where what they would change is below a
+//! tenth of it.
 //!
-//! The change is bounded from above by closed forms, before anything is run; `tests/it/effects.rs` holds them against runs.
-//! A loss takes at most `lambda T` of any velocity, `lambda` the fastest decay of the chain with this loss alone, `T` the scene's
-//! duration, and 6/5 of that of a force. It is felt itself, too: a contact that closes at `w` pushes back by `c w` from the start, `c` the loss's slope,
-//! against the force `F` that it comes to, `c w/F = sqrt(6/5) c/(m omega)` by the energy of a Hertz collision; the tenth of the rise is reached sooner by ten times that
-//! share at most. Bodies close at no more than the largest difference of the initial velocities, times what collisions with ever lighter ones add to a speed:
-//! `2 m/(m + m')` from each to the next. Gravity changes stiffness, and with it forces and times, by at most the share of the chain's weight in what presses the
-//! chain without it, and the striker's speed by at most `g T`. A magnet of slope `k` that follows a particle of mass `m` changes its
-//! force by at most `k` times the particle's travel, a share of the static force, and its motion by at most the share `k T^2/m`.
+//! The change is bounded from above by closed forms, before anything is run; `tests/it/effects.rs`
+//! holds them against runs. A loss takes at most `lambda T` of any velocity, `lambda` the fastest
+//! decay of the chain with this loss alone, `T` the scene's duration, and 6/5 of that of a force.
+//! It is felt itself, too: a contact that closes at `w` pushes back by `c w` from the start, `c`
+//! the loss's slope, against the force `F` that it comes to, `c w/F = sqrt(6/5) c/(m omega)` by the
+//! energy of a Hertz collision; the tenth of the rise is reached sooner by ten times that share at
+//! most. Bodies close at no more than the largest difference of the initial velocities, times what
+//! collisions with ever lighter ones add to a speed: `2 m/(m + m')` from each to the next. Gravity
+//! changes stiffness, and with it forces and times, by at most the share of the chain's weight in
+//! what presses the chain without it, and the striker's speed by at most `g T`. A magnet of slope
+//! `k` that follows a particle of mass `m` changes its force by at most `k` times the particle's
+//! travel, a share of the static force, and its motion by at most the share `k T^2/m`.
 
 use std::borrow::Cow;
 
@@ -23,10 +28,12 @@ const SLOPE_SAMPLES: i32 = 500;
 const NEGLIGIBLE_SHARE: f64 = 0.1;
 /// Forces of Hertz collisions go as this power of their speed (1).
 const FORCE_SPEED_EXPONENT: f64 = 1.2;
-/// Pulses fade on their way, and losses weigh more in slow collisions, if at all: looked at down to this share of the fastest (1).
+/// Pulses fade on their way, and losses weigh more in slow collisions, if at all: looked at down to
+/// this share of the fastest (1).
 const MIN_SPEED_SHARE: f64 = 0.1;
 
-/// `scene` with all that it leaves to the accuracy decided, and noted. A method by hand has no accuracy: all stay on.
+/// `scene` with all that it leaves to the accuracy decided, and noted. A method by hand has no
+/// accuracy: all stay on.
 pub fn resolve_auto_effects(scene: &Scene, integration: Integration) -> Cow<'_, Scene> {
     if scene.auto.is_empty() {
         return Cow::Borrowed(scene);
@@ -76,7 +83,8 @@ pub(crate) fn decision(scene: &Scene, name: &str, accuracy: f64) -> String {
     describe_decision(name, change_upper_bound(scene, name), NEGLIGIBLE_SHARE * accuracy)
 }
 
-/// The most that the effect called `name` can change of first peaks, arrivals and speeds; infinite where that is not known (1).
+/// The most that the effect called `name` can change of first peaks, arrivals and speeds; infinite
+/// where that is not known (1).
 pub fn change_upper_bound(scene: &Scene, name: &str) -> f64 {
     match name {
         "gravity" => by_gravity(scene),

@@ -72,7 +72,8 @@ pub struct Bench<'a> {
 }
 
 impl<'a> Bench<'a> {
-    /// Sets the chain in motion; forces at `probes` are sampled at the times `samples`, frames taken at the times `frames`.
+    /// Sets the chain in motion; forces at `probes` are sampled at the times `samples`, frames
+    /// taken at the times `frames`.
     pub fn new(
         chain: &'a Chain,
         initial_velocities: &[f64],
@@ -120,7 +121,8 @@ impl<'a> Bench<'a> {
         self
     }
 
-    /// Moves on to time `end` (s), taking samples, and following pulses if `pulses`. Calls `progress` with the time.
+    /// Moves on to time `end` (s), taking samples, and following pulses if `pulses`. Calls
+    /// `progress` with the time.
     ///
     /// # Errors
     /// [`IntegrateError`] where the integrator cannot go on.
@@ -166,7 +168,8 @@ impl<'a> Bench<'a> {
         Ok(())
     }
 
-    /// The bench, not yet run, without one of the vector path's refinements; what does not run there has none.
+    /// The bench, not yet run, without one of the vector path's refinements; what does not run
+    /// there has none.
     pub fn without(mut self, refinement: Refinement) -> Self {
         if let Engine::Vectors(stepper, trackers) = self.engine {
             self.engine = Engine::Vectors(Box::new(stepper.without(refinement)), trackers);

@@ -1,4 +1,5 @@
-//! Runs with a step or a tolerance by hand: nothing limits their errors, so these are estimated and noted.
+//! Runs with a step or a tolerance by hand: nothing limits their errors, so these are estimated and
+//! noted.
 
 use super::accuracy::known_until;
 use super::error::rounded_down;
@@ -12,19 +13,22 @@ use crate::scene::{Scene, TIGHTEST_ACCURACY};
 
 /// Readings with larger errors are noted (1).
 const TOLERABLE: f64 = 0.01;
-/// Accuracies of the reference runs, until an estimate is clearly above what the reference run adds to it (1).
+/// Accuracies of the reference runs, until an estimate is clearly above what the reference run adds
+/// to it (1).
 const REFERENCE_ACCURACIES: [f64; 3] = [0.01, 1e-6, TIGHTEST_ACCURACY];
-/// A reference run whose own error is less than the estimate by this factor changes it by a hundredth at most (1).
+/// A reference run whose own error is less than the estimate by this factor changes it by a
+/// hundredth at most (1).
 const CLEAR_FACTOR: f64 = 100.0;
-/// Settings that are tried for advice. Steps: half of the one that does not do, or a quarter of the longest stable one, and halves from there on.
+/// Settings that are tried for advice. Steps: half of the one that does not do, or a quarter of the
+/// longest stable one, and halves from there on.
 const MAX_SETTINGS: i32 = 6;
 /// Tolerances: each so many times the one before (1).
 const TIGHTENING: f64 = 0.1;
 /// Contact forces that finding advice may take: seconds (1).
 const MAX_CONTACT_FORCES: f64 = 1e9;
 
-/// Runs `scene` by `method`, with its setting by hand, error estimate included; notes say where readings are far off, where the method has made
-/// energy, and up to when the motion is known.
+/// Runs `scene` by `method`, with its setting by hand, error estimate included; notes say where
+/// readings are far off, where the method has made energy, and up to when the motion is known.
 ///
 /// # Errors
 /// Those of [`run`](fn@run).
@@ -74,7 +78,8 @@ pub fn run_by_hand(
     Ok(outcome)
 }
 
-/// The error estimate of the run, from ever tighter reference runs until one has clearly smaller errors.
+/// The error estimate of the run, from ever tighter reference runs until one has clearly smaller
+/// errors.
 fn estimate_by_hand(scene: &Scene, outcome: &Outcome) -> Result<Option<ErrorEstimate>, RunError> {
     let mut found = None;
     for accuracy in REFERENCE_ACCURACIES {
@@ -97,7 +102,8 @@ fn too_much(method: Method) -> &'static str {
     }
 }
 
-/// A step or a tolerance with which `method` would read `scene` well, in words; none where none was found in reasonable time.
+/// A step or a tolerance with which `method` would read `scene` well, in words; none where none was
+/// found in reasonable time.
 pub fn advice(scene: &Scene, method: Method) -> Option<String> {
     let Some((step, reach)) = method.fixed_step() else {
         let tighter = (1..=MAX_SETTINGS).map(|tries| TIGHTENING.powi(tries));

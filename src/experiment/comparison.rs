@@ -39,7 +39,8 @@ pub fn run(scene: &Scene, method: Method) -> Result<Run, IntegrateError> {
     run_without(scene, (method, None), u64::MAX)
 }
 
-/// The same without one of the vector path's refinements, and given up when it has taken more than `most` evaluations of all forces.
+/// The same without one of the vector path's refinements, and given up when it has taken more than
+/// `most` evaluations of all forces.
 ///
 /// # Errors
 /// The integrator's.
@@ -51,7 +52,8 @@ pub fn run_without(
     sampled(scene, (method, refinement), most, sample_grid(scene, 1), &mut |_| ())
 }
 
-/// The same with samples at the times of `grid`; `progress` is called with the time that is reached (s).
+/// The same with samples at the times of `grid`; `progress` is called with the time that is reached
+/// (s).
 ///
 /// # Errors
 /// The integrator's.
@@ -97,7 +99,8 @@ pub fn readings(scene: &Scene, method: Method) -> Result<Vec<Reading>, Integrate
     Ok(read_places(scene, &bench))
 }
 
-/// Largest of `error` over all places that felt a pulse in the reference; none if one of them felt none here (1).
+/// Largest of `error` over all places that felt a pulse in the reference; none if one of them felt
+/// none here (1).
 pub fn compare(
     found: &Run,
     exact: &Run,
@@ -137,7 +140,8 @@ pub fn arrival_error(found: &Reading, exact: &Reading) -> Option<f64> {
     Some(peak.max(rise).max(foot))
 }
 
-/// Largest deviation of the force at any of the first `places` that felt a pulse, relative to its largest; none where no place did (1).
+/// Largest deviation of the force at any of the first `places` that felt a pulse, relative to its
+/// largest; none where no place did (1).
 pub fn trace_error(found: &Run, exact: &Run, places: usize) -> Option<f64> {
     let felt = exact.readings.iter().take(places).map(|reading| reading.first_peak.is_some());
     let of = |run: &Run| -> Vec<Vec<f64>> {
@@ -148,8 +152,9 @@ pub fn trace_error(found: &Run, exact: &Run, places: usize) -> Option<f64> {
     (!exact.is_empty()).then(|| deviation(&of(found), &exact, f64::INFINITY).0)
 }
 
-/// Largest deviation of any trace from its `exact` one, relative to the largest force in that (1), and the first sample in which one deviates by more
-/// than `limit` (1). A trace that is not a number deviates infinitely, for it compares with nothing.
+/// Largest deviation of any trace from its `exact` one, relative to the largest force in that (1),
+/// and the first sample in which one deviates by more than `limit` (1). A trace that is not a
+/// number deviates infinitely, for it compares with nothing.
 pub fn deviation(found: &[Vec<f64>], exact: &[Vec<f64>], limit: f64) -> (f64, Option<usize>) {
     let (mut largest, mut first) = (0.0_f64, None::<usize>);
     for (found, exact) in found.iter().zip(exact) {

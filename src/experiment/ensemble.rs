@@ -1,4 +1,5 @@
-//! Many chains at once, on all processors: each runs by itself, so that a result is the same to the last bit however many threads there are.
+//! Many chains at once, on all processors: each runs by itself, so that a result is the same to the
+//! last bit however many threads there are.
 
 use std::borrow::Borrow;
 
@@ -63,7 +64,8 @@ impl Ensemble {
         Self { set, ..self }
     }
 
-    /// Runs all `cases`; results stand in their order. `done` is called with how many more are finished, from any thread.
+    /// Runs all `cases`; results stand in their order. `done` is called with how many more are
+    /// finished, from any thread.
     pub fn run<C: Borrow<Case>>(
         &self,
         cases: &[C],
@@ -90,7 +92,8 @@ pub struct ProbeSite {
     pub offset: f64,
 }
 
-/// The places of `scene` where forces can be watched: its sensors in particles, from the top, and the wall.
+/// The places of `scene` where forces can be watched: its sensors in particles, from the top, and
+/// the wall.
 pub fn places(scene: &Scene) -> Vec<ProbeSite> {
     let sensor = |sensor: &PlacedSensor| match sensor.site {
         Site::Particle(particle) => {

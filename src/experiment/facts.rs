@@ -119,8 +119,8 @@ fn sensor_facts(scene: &Scene, placed: &PlacedSensor) -> Vec<(&'static str, Stri
     facts
 }
 
-/// The metadata of shot `number` in a recording of another scene, or of the same with other knobs: its scene, what was turned
-/// of it, and its sensors.
+/// The metadata of shot `number` in a recording of another scene, or of the same with other knobs:
+/// its scene, what was turned of it, and its sensors.
 pub fn shot_facts(scene: &Scene, number: u32, impact: u32) -> Facts {
     let mut known = vec![
         ("scene", scene.name.clone()),

@@ -10,7 +10,8 @@ use crate::integrate::{Integrator, Interpolant, State};
 pub struct Frames {
     /// When the frames were taken.
     pub grid: Grid,
-    /// Force in each contact at each time, static part included; nothing before the first frame (N).
+    /// Force in each contact at each time, static part included; nothing before the first frame
+    /// (N).
     pub contact_forces: Vec<Vec<f64>>,
     /// Displacement of each body at each time; nothing before the first frame (m).
     pub displacements: Vec<Vec<f64>>,
@@ -18,7 +19,8 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// Frames that begin with the chain at rest but for these velocities (m/s), if a frame is due at the start.
+    /// Frames that begin with the chain at rest but for these velocities (m/s), if a frame is due
+    /// at the start.
     pub fn new(chain: &Chain, grid: Grid, velocities: &[f64]) -> Self {
         let mut frames =
             Self { grid, contact_forces: Vec::new(), displacements: Vec::new(), count: 0 };

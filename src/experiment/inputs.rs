@@ -32,7 +32,8 @@ pub struct Inputs {
     pub interval: f64,
     /// Index of the first sample after the striker's first contact.
     pub contact: usize,
-    /// Signal at each channel's probe tip in order; empty for a channel that the scene leaves open (V).
+    /// Signal at each channel's probe tip in order; empty for a channel that the scene leaves open
+    /// (V).
     pub volts: Vec<Vec<f64>>,
     /// Signal at the external trigger input; empty if the scene leaves it open (V).
     pub external: Vec<f64>,
@@ -40,8 +41,9 @@ pub struct Inputs {
     pub truth: Vec<Trace>,
 }
 
-/// Strikes the scene's chain and follows it for a trigger anywhere within the scene's duration, but for no longer than ten
-/// durations and no more than two million samples. Probes are those of the scene, whatever the scope takes them for.
+/// Strikes the scene's chain and follows it for a trigger anywhere within the scene's duration, but
+/// for no longer than ten durations and no more than two million samples. Probes are those of the
+/// scene, whatever the scope takes them for.
 ///
 /// # Errors
 /// [`RunError`] for states that stop being numbers.

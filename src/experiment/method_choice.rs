@@ -1,4 +1,5 @@
-//! How a run is integrated: the choice of method and tolerance for an accuracy, and which methods a scene allows.
+//! How a run is integrated: the choice of method and tolerance for an accuracy, and which methods a
+//! scene allows.
 
 use super::error::{MAX_STEPS, RunError};
 use crate::chain::{Chain, Contact, Effect};
@@ -8,28 +9,36 @@ use crate::scene::Scene;
 /// Methods for losses.
 const FOR_LOSSES: &str =
     "runge-kutta-4, dormand-prince-54, dormand-prince-853 or rodas, or --accuracy instead";
-/// Losses are stiff where the decay of a contact, in units of its own angular frequency, exceeds this. Stability and not accuracy limits the explicit pair beyond, and
-/// errors of first peaks are many times what its steps tolerate: 19 times at 0.81, 130 times at 1.3 (hundreds of tolerances of ten scenes of the bench, 5 to 10 N s/m) (1).
+/// Losses are stiff where the decay of a contact, in units of its own angular frequency, exceeds
+/// this. Stability and not accuracy limits the explicit pair beyond, and errors of first peaks are
+/// many times what its steps tolerate: 19 times at 0.81, 130 times at 1.3 (hundreds of tolerances
+/// of ten scenes of the bench, 5 to 10 N s/m) (1).
 const STIFF_DAMPING: f64 = 0.75;
-/// From this accuracy on losses of any size are left to the implicit method: as long steps of the explicit pair are at the limit of its stability, and no faster
-/// (`hertzscope cost`, dashpots of 1 to 10 N s/m) (1).
+/// From this accuracy on losses of any size are left to the implicit method: as long steps of the
+/// explicit pair are at the limit of its stability, and no faster (`hertzscope cost`, dashpots of 1
+/// to 10 N s/m) (1).
 const LOOSE_ACCURACY: f64 = 1e-3;
-/// With losses a step tolerates the accuracy asked for divided by this: errors of first peaks and their times stayed below 10 times the
-/// error tolerated in a step (150 tolerances up to 6e-5 of 20 scenes that the tests do not use; `tests/it/losses/tolerances.rs`) (1).
+/// With losses a step tolerates the accuracy asked for divided by this: errors of first peaks and
+/// their times stayed below 10 times the error tolerated in a step (150 tolerances up to 6e-5 of 20
+/// scenes that the tests do not use; `tests/it/losses/tolerances.rs`) (1).
 const LOSS_MARGIN: f64 = 16.0;
-/// The same for the implicit method: errors were up to 5.8 times what a step tolerates (Kuwabara and Kono's losses at 2e-3, 400 accuracies) (1).
+/// The same for the implicit method: errors were up to 5.8 times what a step tolerates (Kuwabara
+/// and Kono's losses at 2e-3, 400 accuracies) (1).
 const STIFF_LOSS_MARGIN: f64 = 8.0;
-/// The same for lossless chains under a magnet that follows its particle, where openings are not corrected: errors were up to 23 times what
-/// a step tolerates (600 accuracies of two scenes) (1).
+/// The same for lossless chains under a magnet that follows its particle, where openings are not
+/// corrected: errors were up to 23 times what a step tolerates (600 accuracies of two scenes) (1).
 const UNCORRECTED_MARGIN: f64 = 48.0;
-/// Steps of two lengths are made for the accuracy asked divided by this: first peaks were off by up to 1.13 times what they are made for, in 256 scenes
-/// from 2e-4 to 1e-3 (`tests/it/vector_path.rs`) (1).
+/// Steps of two lengths are made for the accuracy asked divided by this: first peaks were off by up
+/// to 1.13 times what they are made for, in 256 scenes from 2e-4 to 1e-3
+/// (`tests/it/vector_path.rs`) (1).
 const TWO_STEP_MARGIN: f64 = 2.0;
 /// From this accuracy on they are the cheapest (`hertzscope cost` of the shipped scenes) (1).
 const TWO_STEP_FROM: f64 = 2e-4;
-/// A contact is preloaded whose static overlap is this share of the coming impact's, or more: its frequency goes as the fourth root of the overlap (1).
+/// A contact is preloaded whose static overlap is this share of the coming impact's, or more: its
+/// frequency goes as the fourth root of the overlap (1).
 const PRELOADED_SHARE: f64 = 1e-3;
-/// Tolerance of the first attempt under error control, in terms of the accuracy asked: most runs are accurate enough then (1).
+/// Tolerance of the first attempt under error control, in terms of the accuracy asked: most runs
+/// are accurate enough then (1).
 const FIRST_TOLERANCE_FACTOR: f64 = 10.0;
 /// Largest tolerance of the first attempt (1).
 const MAX_FIRST_TOLERANCE: f64 = 0.01;
@@ -59,8 +68,9 @@ pub struct Attempt {
     pub steps: f64,
 }
 
-/// The first attempt at `accuracy` (1): steps of two lengths where they may serve, else error control. A run is compared with a reference run, so the steps are made
-/// for less than the accuracy.
+/// The first attempt at `accuracy` (1): steps of two lengths where they may serve, else error
+/// control. A run is compared with a reference run, so the steps are made for less than the
+/// accuracy.
 pub fn first_attempt_at(scene: &Scene, accuracy: f64) -> Attempt {
     match two_step(&scene.chain, accuracy) {
         Some(method) => Attempt { method, steps: accuracy },
@@ -79,8 +89,8 @@ pub fn controlled(scene: &Scene, steps: f64) -> Attempt {
     Attempt { method, steps }
 }
 
-/// The first attempt of `integration`, where it is an accuracy. A recording names it before the work is done; the attempt that was accurate enough
-/// is written beside each shot.
+/// The first attempt of `integration`, where it is an accuracy. A recording names it before the
+/// work is done; the attempt that was accurate enough is written beside each shot.
 pub fn first_attempt(scene: &Scene, integration: Integration) -> Integration {
     let Integration::Accuracy(accuracy) = integration else { return integration };
     let Attempt { method, .. } = first_attempt_at(scene, accuracy);
@@ -90,7 +100,8 @@ pub fn first_attempt(scene: &Scene, integration: Integration) -> Integration {
 /// The method of `integration` for `scene`.
 ///
 /// # Errors
-/// [`RunError`] for a method by hand that losses rule out, or whose step cannot be stable or takes too long.
+/// [`RunError`] for a method by hand that losses rule out, or whose step cannot be stable or takes
+/// too long.
 pub fn method(scene: &Scene, integration: Integration) -> Result<Method, RunError> {
     let method = match integration {
         Integration::Accuracy(accuracy) => {
@@ -123,8 +134,8 @@ pub fn method_for(chain: &Chain, velocities: &[f64], accuracy: f64) -> Method {
     two_lengths.unwrap_or_else(|| controlled_for(chain, velocities, accuracy))
 }
 
-/// Steps of two lengths for `accuracy` (1), where they are the cheapest. In a chain that is not preloaded only a reference run shows
-/// whether they are as accurate.
+/// Steps of two lengths for `accuracy` (1), where they are the cheapest. In a chain that is not
+/// preloaded only a reference run shows whether they are as accurate.
 fn two_step(chain: &Chain, accuracy: f64) -> Option<Method> {
     let serves = accuracy >= TWO_STEP_FROM && chain.is_plain();
     serves.then_some(Method::TwoStepForceGradient { tolerance: accuracy })
@@ -148,7 +159,8 @@ pub fn for_accuracy(accuracy: f64) -> Method {
     Method::DormandElMikkawyPrince86 { tolerance: accuracy }
 }
 
-/// Whether contacts are preloaded, all but a striker's: they stay about as stiff as they will be at most.
+/// Whether contacts are preloaded, all but a striker's: they stay about as stiff as they will be at
+/// most.
 fn is_preloaded(chain: &Chain, velocities: &[f64]) -> bool {
     let least = PRELOADED_SHARE * chain.impact_overlap(velocities);
     let unloaded = |c: &&Contact| c.stiffness > 0.0 && c.static_overlap < least;
@@ -158,7 +170,8 @@ fn is_preloaded(chain: &Chain, velocities: &[f64]) -> bool {
 /// Refuses a method by hand that losses rule out, or that is for losses only.
 ///
 /// # Errors
-/// [`RunError`] where the method is not made for losses, or for nothing else, and where its step is too long for them.
+/// [`RunError`] where the method is not made for losses, or for nothing else, and where its step is
+/// too long for them.
 fn refuse(scene: &Scene, method: Method) -> Result<(), RunError> {
     if !scene.chain.is_dissipative() {
         let refused = RunError::OnlyForLosses { method: method.name() };

@@ -1,8 +1,9 @@
 //! Runs a scene from the striker's first contact to the scope's records.
 //!
 //! The chain moves under an integrator; at every probe the force is read from the interpolant, at
-//! the scope's own sample times; sensors turn it into volts; the scope conditions, triggers and digitises. Where the
-//! scope's record ends after the scene's duration, the chain simply moves on until the record is full.
+//! the scope's own sample times; sensors turn it into volts; the scope conditions, triggers and
+//! digitises. Where the scope's record ends after the scene's duration, the chain simply moves on
+//! until the record is full.
 
 pub mod accuracy;
 pub(crate) mod acquisition;

@@ -1,4 +1,5 @@
-//! Notes on a run: what its readings and its record lack, and where it leaves what its laws are good for.
+//! Notes on a run: what its readings and its record lack, and where it leaves what its laws are
+//! good for.
 
 use super::acquisition::trigger_scale;
 use super::frames::Frames;
@@ -10,10 +11,12 @@ use crate::recording::Shot;
 use crate::scene::{PlacedSensor, Scene, Site};
 use crate::scope::acquire::TriggerPosition;
 
-/// Hertz's law is for overlaps far below the bodies' sizes: beyond this share of a particle's length it does not hold (1).
+/// Hertz's law is for overlaps far below the bodies' sizes: beyond this share of a particle's
+/// length it does not hold (1).
 const MAX_OVERLAP_SHARE: f64 = 0.1;
 
-/// All notes on a run whose readings are `sensors` and whose frames are `film`, and those on its scene.
+/// All notes on a run whose readings are `sensors` and whose frames are `film`, and those on its
+/// scene.
 pub fn notes(
     scene: &Scene,
     sensors: &[Reading],
@@ -48,7 +51,8 @@ pub fn notes(
     notes
 }
 
-/// A calibration in another kind of host than the one it is used in: a plate in a steel cylinder feels 0.69 of what one in a PTFE sphere feels.
+/// A calibration in another kind of host than the one it is used in: a plate in a steel cylinder
+/// feels 0.69 of what one in a PTFE sphere feels.
 fn transferred(scene: &Scene, placed: &PlacedSensor) -> Option<Note> {
     let calibrated = placed.sensor.calibrated_host.as_ref()?;
     let host = match placed.site {
@@ -120,7 +124,8 @@ fn no_peak(sensor: &Reading) -> Note {
     note.with("sensor", name)
 }
 
-/// A particle that left the distances for which its magnet's force was measured, as far as the frames show.
+/// A particle that left the distances for which its magnet's force was measured, as far as the
+/// frames show.
 fn beyond_table(chain: &Chain, film: &Frames) -> Option<Note> {
     let (body, pull) = chain.pull()?;
     let [near, far] = pull.known();

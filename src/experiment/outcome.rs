@@ -43,11 +43,13 @@ pub struct Summary {
     pub accuracy_reason: Option<String>,
     /// How far off first peaks and arrivals may be, where that was looked for.
     pub error_estimate: Option<ErrorEstimate>,
-    /// From when on errors may exceed the square root of the accuracy somewhere in the chain, where they do (s).
+    /// From when on errors may exceed the square root of the accuracy somewhere in the chain, where
+    /// they do (s).
     pub horizon_s: Option<f64>,
     /// Fixed step, where there is one (s).
     pub step_s: Option<f64>,
-    /// Tolerated error of a step, relative to the largest overlap change and speed so far; none where steps are fixed (1).
+    /// Tolerated error of a step, relative to the largest overlap change and speed so far; none
+    /// where steps are fixed (1).
     pub tolerance: Option<f64>,
     /// Evaluations of all contact forces of the chain.
     pub force_evaluations: u64,
@@ -59,7 +61,8 @@ pub struct Summary {
     pub contact_changes: Option<u64>,
     /// Wall-clock time of the simulation, recording excluded (s).
     pub wall_s: f64,
-    /// The same with all runs that it was held against, and those that were not accurate enough; none where there were none (s).
+    /// The same with all runs that it was held against, and those that were not accurate enough;
+    /// none where there were none (s).
     pub wall_held_s: Option<f64>,
     /// Time simulated on the bench (s).
     pub simulated_s: f64,
@@ -92,10 +95,12 @@ pub struct ErrorEstimate {
     pub peak: f64,
     /// Relative error of first-peak times, half-rises and tenths, the largest of all places (1).
     pub arrival: f64,
-    /// Largest deviation of the force at any sensor, at the scope's sample times up to the end of the scene's duration, relative to the largest dynamic one
-    /// there; none where no sensor felt a pulse (1).
+    /// Largest deviation of the force at any sensor, at the scope's sample times up to the end of
+    /// the scene's duration, relative to the largest dynamic one there; none where no sensor felt a
+    /// pulse (1).
     pub trace: Option<f64>,
-    /// Up to when no trace deviates by more than the accuracy that was asked for; none where none ever does, or none was asked for (s).
+    /// Up to when no trace deviates by more than the accuracy that was asked for; none where none
+    /// ever does, or none was asked for (s).
     pub trace_holds_s: Option<f64>,
     /// How it was found.
     pub how: String,
@@ -108,8 +113,9 @@ impl ErrorEstimate {
     }
 }
 
-/// A first peak that exceeds its threshold by so much stays one, and what lacks so much of it becomes none, whatever late forces come to: chaos shuffles
-/// energy about, it makes none. Less where two runs agree better (1).
+/// A first peak that exceeds its threshold by so much stays one, and what lacks so much of it
+/// becomes none, whatever late forces come to: chaos shuffles energy about, it makes none. Less
+/// where two runs agree better (1).
 const PEAK_MARGIN: f64 = 0.5;
 
 /// What comparing a run with a reference run says of it.
@@ -152,7 +158,8 @@ impl Summary {
         }
     }
 
-    /// Notes first peaks that hang on forces felt when the motion is no longer known, as far as two runs differ there.
+    /// Notes first peaks that hang on forces felt when the motion is no longer known, as far as two
+    /// runs differ there.
     fn note_undecided(&mut self) {
         let Some(horizon) = self.horizon_s else { return };
         let differ = self.error_estimate.as_ref().and_then(|estimate| estimate.trace);
@@ -175,7 +182,8 @@ impl Summary {
         }
     }
 
-    /// Notes that from `time` (s) on the motion at `accuracy` (1) is no longer known to half of its digits.
+    /// Notes that from `time` (s) on the motion at `accuracy` (1) is no longer known to half of its
+    /// digits.
     fn note_horizon(&mut self, time: f64, accuracy: f64) {
         let (words, left) = (engineering(time, "s", 2), accuracy.sqrt());
         self.horizon_s = Some(time);
@@ -206,9 +214,11 @@ pub struct Reading {
     pub largest_n: f64,
     /// When it was felt; none if nothing was (s).
     pub largest_s: Option<f64>,
-    /// First local maximum of the dynamic force above a quarter of its largest value; none if nothing arrived.
+    /// First local maximum of the dynamic force above a quarter of its largest value; none if
+    /// nothing arrived.
     pub first_peak: Option<Peak>,
-    /// The highest maximum before it that was the first peak until forces became larger; none if none was.
+    /// The highest maximum before it that was the first peak until forces became larger; none if
+    /// none was.
     pub passed_over: Option<PassedOver>,
     /// When the dynamic force first reached half of its first peak (s).
     pub half_rise_s: Option<f64>,
@@ -365,13 +375,14 @@ pub fn effects(scene: &Scene) -> Vec<(String, String)> {
     effects
 }
 
-/// A run that has made or lost more of the energy in motion is not taken for what the bench would show without a word (1).
+/// A run that has made or lost more of the energy in motion is not taken for what the bench would
+/// show without a word (1).
 pub const TOLERABLE: f64 = 0.01;
 /// What sums of energies may be off, relative to all that is stored (1).
 const ROUNDING: f64 = 1e-12;
 
-/// No run that is held to an accuracy makes or loses more of the energy in motion: where late motion is known only in its statistics, these would be
-/// those of another bench (1).
+/// No run that is held to an accuracy makes or loses more of the energy in motion: where late
+/// motion is known only in its statistics, these would be those of another bench (1).
 pub const MOST: f64 = LOOSEST_ACCURACY;
 
 /// The energy ledger of a run.
@@ -408,7 +419,8 @@ impl EnergyLedger {
         }
     }
 
-    /// Whether no more than `share` (1) of the energy in motion has been made or lost, but for rounding of all that is stored.
+    /// Whether no more than `share` (1) of the energy in motion has been made or lost, but for
+    /// rounding of all that is stored.
     pub fn is_kept(&self, share: f64) -> bool {
         self.drift.abs() <= share || self.is_rounding()
     }
@@ -420,8 +432,9 @@ impl EnergyLedger {
     }
 }
 
-/// `(after + taken - before)` over the kinetic energy before or after, whichever is more: what a method has made of energy, as a share of
-/// that in motion. Static overlaps, which may hold a thousand times as much, do not hide it; what they round to is in it (1).
+/// `(after + taken - before)` over the kinetic energy before or after, whichever is more: what a
+/// method has made of energy, as a share of that in motion. Static overlaps, which may hold a
+/// thousand times as much, do not hide it; what they round to is in it (1).
 pub fn drift(before: &Energy, after: &Energy, taken: &Dissipated) -> f64 {
     (after.total() + taken.total() - before.total()) / before.kinetic.max(after.kinetic)
 }
@@ -432,8 +445,9 @@ mod tests {
     use crate::note::Note;
     use crate::scene::Scene;
 
-    /// A bead of 0.13 mg rattles on while heavy ones press it harder and harder: maxima that it makes on the way are first until larger forces come. Where two
-    /// runs agree on them, the first peak is decided.
+    /// A bead of 0.13 mg rattles on while heavy ones press it harder and harder: maxima that it
+    /// makes on the way are first until larger forces come. Where two runs agree on them, the first
+    /// peak is decided.
     #[test]
     fn maxima_before_the_first_peak_are_told_where_runs_differ() {
         let text = "

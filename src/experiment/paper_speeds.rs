@@ -1,4 +1,5 @@
-//! Tables 1 and 2 as printed: `recordings/herbold-2009-tables.toml`, to stand beside what comes out here.
+//! Tables 1 and 2 as printed: `recordings/herbold-2009-tables.toml`, to stand beside what comes out
+//! here.
 
 use serde::Serialize;
 

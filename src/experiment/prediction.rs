@@ -1,4 +1,5 @@
-//! What a scene predicts without noise and rounding: readings, speeds, and what the scope would show.
+//! What a scene predicts without noise and rounding: readings, speeds, and what the scope would
+//! show.
 
 use super::acquisition::{signals, trigger};
 use super::auto_effects::resolve_auto_effects;
@@ -22,7 +23,8 @@ pub struct Prediction {
     pub speeds: Vec<Speed>,
     /// First peak at each channel with its sensor's droop undone, by the channel's name (V).
     pub heights: Vec<(String, f64)>,
-    /// What the scope would show of each channel around the trigger, within its converter's range; empty where it is not triggered or none were asked for (V).
+    /// What the scope would show of each channel around the trigger, within its converter's range;
+    /// empty where it is not triggered or none were asked for (V).
     pub traces: Vec<Trace>,
 }
 

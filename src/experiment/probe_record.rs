@@ -19,7 +19,8 @@ pub struct ProbeRecord {
 }
 
 impl ProbeRecord {
-    /// Takes in the last step of the vector path, which ended at `end` (s): samples that fall into it, and its pulses if `pulses`.
+    /// Takes in the last step of the vector path, which ended at `end` (s): samples that fall into
+    /// it, and its pulses if `pulses`.
     pub(super) fn take_step(
         &mut self,
         set: InstructionSet,
@@ -41,7 +42,8 @@ impl ProbeRecord {
         }
     }
 
-    /// Takes in the last step of `integrator`, of so many bodies: samples that fall into it, and its pulses if `pulses`.
+    /// Takes in the last step of `integrator`, of so many bodies: samples that fall into it, and
+    /// its pulses if `pulses`.
     pub(super) fn take(
         &mut self,
         integrator: &dyn Integrator,

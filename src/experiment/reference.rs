@@ -1,4 +1,5 @@
-//! The reference run: the same scene with much smaller errors, and the error estimate that follows from the difference.
+//! The reference run: the same scene with much smaller errors, and the error estimate that follows
+//! from the difference.
 
 use super::comparison::{Run, arrival_error, compare_readings, deviation, peak_error, sampled};
 use super::grid::Grid;
@@ -13,23 +14,29 @@ use crate::trace::Trace;
 const ROUNDING_ERROR: f64 = 1e-12;
 /// Smallest tolerance of a step: below, rounding would be mistaken for its error (1).
 pub(super) const MIN_TOLERANCE: f64 = 1e-14;
-/// Tolerance of the reference run, in terms of the accuracy asked or of the run's own tolerance where that is smaller: so much smaller that both
-/// do not err alike (1).
+/// Tolerance of the reference run, in terms of the accuracy asked or of the run's own tolerance
+/// where that is smaller: so much smaller that both do not err alike (1).
 const REFERENCE_FACTOR: f64 = 0.01;
-/// Largest tolerance of the reference run: late in rattling chains, traces at 1e-3 and at 1e-5 may be equally far off, and not differ (1).
+/// Largest tolerance of the reference run: late in rattling chains, traces at 1e-3 and at 1e-5 may
+/// be equally far off, and not differ (1).
 const MAX_REFERENCE_TOLERANCE: f64 = 1e-6;
-/// Safety factor on the reference run's own accuracy: with 3, estimates of extreme scenes came out too small by up to a factor of 2.4, held against
-/// a solver of another kind (`tests/it/fifty_scenes`) (1).
+/// Safety factor on the reference run's own accuracy: with 3, estimates of extreme scenes came out
+/// too small by up to a factor of 2.4, held against a solver of another kind
+/// (`tests/it/fifty_scenes`) (1).
 pub const REFERENCE_MARGIN: f64 = 10.0;
-/// Safety factor on trace differences: the reference run diverges too, by a fourteenth of the difference in the shipped scenes, and near rounding by more (1).
+/// Safety factor on trace differences: the reference run diverges too, by a fourteenth of the
+/// difference in the shipped scenes, and near rounding by more (1).
 pub const TRACES: f64 = 2.0;
 
-/// Compares shot `shot` of `scene` with its reference run, at the [`reference_tolerance`] of `accuracy` (1). By the triangle inequality the error is at
-/// most their difference and what the second run is off itself: [`REFERENCE_MARGIN`] times its own accuracy are added. Late in rattling chains traces of the reference run are
-/// off by more than that, too: their error is [`TRACES`] times the difference.
+/// Compares shot `shot` of `scene` with its reference run, at the [`reference_tolerance`] of
+/// `accuracy` (1). By the triangle inequality the error is at most their difference and what the
+/// second run is off itself: [`REFERENCE_MARGIN`] times its own accuracy are added. Late in
+/// rattling chains traces of the reference run are off by more than that, too: their error is
+/// [`TRACES`] times the difference.
 ///
-/// None where the two runs have different pulses, or pulses below the reference run's own error: where steps are limited by
-/// the stiffest contact both runs may take the same ones, and err the same way.
+/// None where the two runs have different pulses, or pulses below the reference run's own error:
+/// where steps are limited by the stiffest contact both runs may take the same ones, and err the
+/// same way.
 ///
 /// # Errors
 /// [`RunError`] where the reference run cannot go on.
@@ -43,7 +50,8 @@ pub fn estimate(
     Ok(reference.compare(outcome, accuracy))
 }
 
-/// Errors of a run of shot 1 of `scene` against an `exact` one: of peaks, arrivals and traces, as an estimate gives them; none where it has other pulses.
+/// Errors of a run of shot 1 of `scene` against an `exact` one: of peaks, arrivals and traces, as
+/// an estimate gives them; none where it has other pulses.
 pub fn errors(scene: &Scene, exact: &Run, outcome: &Outcome) -> Option<ErrorEstimate> {
     let exact =
         ReferenceRun::of(scene, exact.clone(), 0.0, sample_grid(scene, outcome.shot.number));
@@ -59,7 +67,8 @@ pub(super) struct ReferenceRun {
     readings: Vec<Reading>,
     /// Its own error of a force, below which no pulse can be compared (N).
     faintest: f64,
-    /// Static forces (N) and dynamic ones at the times of `grid` (N), of all sensors; none where no pulse was felt.
+    /// Static forces (N) and dynamic ones at the times of `grid` (N), of all sensors; none where no
+    /// pulse was felt.
     traces: Vec<Option<(f64, Vec<f64>)>>,
     grid: Grid,
 }
@@ -94,7 +103,8 @@ impl ReferenceRun {
         Self { tolerance, readings, faintest, traces, grid }
     }
 
-    /// How far off the run is, by [`estimate`], whose traces are to deviate by no more than `limit` (1).
+    /// How far off the run is, by [`estimate`], whose traces are to deviate by no more than `limit`
+    /// (1).
     pub(super) fn compare(&self, outcome: &Outcome, limit: f64) -> Option<ErrorEstimate> {
         let Self { tolerance, readings: second, faintest, .. } = self;
         let summary = &outcome.summary;

@@ -1,14 +1,16 @@
 //! Where a force turns, and where it reaches a level, within one step.
 
-/// A secant that moves a maximum by less than this share of the way between two looks leaves it so much nearer that the force is the highest to the
-/// last bits, for that goes by the square (1).
+/// A secant that moves a maximum by less than this share of the way between two looks leaves it so
+/// much nearer that the force is the highest to the last bits, for that goes by the square (1).
 const SECANT_TOLERANCE: f64 = 1e-4;
-/// Secants that are tried: each has about as many more digits right as the one before, or none will.
+/// Secants that are tried: each has about as many more digits right as the one before, or none
+/// will.
 const MAX_SECANTS: usize = 4;
 
-/// Whether a force that rises at two looks, on average at `mean`, may fall in between (N/s): its cubic's rate is
-/// `first + 2 (3 mean - 2 first - second) t + 3 (first + second - 2 mean) t^2`, and where its least value is below the share `doubtful` (1)
-/// of both rates, the force's own may be below zero.
+/// Whether a force that rises at two looks, on average at `mean`, may fall in between (N/s): its
+/// cubic's rate is `first + 2 (3 mean - 2 first - second) t + 3 (first + second - 2 mean) t^2`, and
+/// where its least value is below the share `doubtful` (1) of both rates, the force's own may be
+/// below zero.
 pub fn may_decrease((first, second): (f64, f64), mean: f64, doubtful: f64) -> bool {
     let bend = 3.0 * (first + second - 2.0 * mean);
     let turn = 2.0 * first + second - 3.0 * mean;
@@ -16,16 +18,19 @@ pub fn may_decrease((first, second): (f64, f64), mean: f64, doubtful: f64) -> bo
     bend > 0.0 && turn > 0.0 && turn < bend && least < doubtful * first.min(second)
 }
 
-/// Upper bound of a force between two samples where it bends the other way at most once in between, from its values and what its rates of
-/// change would come to from one look to the other: where it is concave it is below its tangent at the end that is concave, and where it is
-/// convex below the larger of that part's ends (N).
+/// Upper bound of a force between two samples where it bends the other way at most once in between,
+/// from its values and what its rates of change would come to from one look to the other: where it
+/// is concave it is below its tangent at the end that is concave, and where it is convex below the
+/// larger of that part's ends (N).
 pub fn highest([first, last]: [f64; 2], [rise, slope]: [f64; 2]) -> f64 {
     (first + rise.max(0.0)).max(last - slope.min(0.0))
 }
 
-/// A place between `low` and `high` where `rate`, which is `at_low` and `at_high` there, is below zero, if there is one: its least value, found by golden
-/// sections (J. Kiefer, Proc. Am. Math. Soc. 4, 502, 1953), until both ends are below twice the least so far: of parabolas and corners,
-/// of which one side may be ten times as steep as the other, it is then not less than two fifths of that (1).
+/// A place between `low` and `high` where `rate`, which is `at_low` and `at_high` there, is below
+/// zero, if there is one: its least value, found by golden sections (J. Kiefer, Proc. Am. Math.
+/// Soc. 4, 502, 1953), until both ends are below twice the least so far: of parabolas and corners,
+/// of which one side may be ten times as steep as the other, it is then not less than two fifths of
+/// that (1).
 pub fn find_negative(
     rate: &dyn Fn(f64) -> f64,
     [mut low, mut high]: [f64; 2],
@@ -57,8 +62,9 @@ pub fn find_negative(
     None
 }
 
-/// Where a force is highest that rises at `low` and falls at `high`, by its rates of change there, `first` and `second`, and its `mean` one (N/s): the
-/// turn of its cubic, and a few secants from there. The force there is the highest to the last bits; none where that is not certain (1).
+/// Where a force is highest that rises at `low` and falls at `high`, by its rates of change there,
+/// `first` and `second`, and its `mean` one (N/s): the turn of its cubic, and a few secants from
+/// there. The force there is the highest to the last bits; none where that is not certain (1).
 pub fn refine_maximum(
     rate: &dyn Fn(f64) -> f64,
     [low, high]: [f64; 2],
@@ -97,7 +103,8 @@ mod tests {
     use super::{find_negative, highest, may_decrease, refine_maximum};
     use std::cell::Cell;
 
-    /// A force that rises at both ends, `f = t - 4.5 t^2 + 5.8 t^3`: its rate is below zero from 0.162 to 0.356, and at neither end.
+    /// A force that rises at both ends, `f = t - 4.5 t^2 + 5.8 t^3`: its rate is below zero from
+    /// 0.162 to 0.356, and at neither end.
     #[test]
     fn a_fall_between_two_rising_ends_is_found() {
         let rate = |t: f64| 1.0 - 9.0 * t + 17.4 * t * t;
@@ -107,8 +114,9 @@ mod tests {
         assert!(rate(place) < 0.0, "{place}");
     }
 
-    /// A maximum wherever it is between two looks, to the last bits of the force: by two rates where looks are a fifteenth of an oscillation apart,
-    /// by two or three more where they are a quarter.
+    /// A maximum wherever it is between two looks, to the last bits of the force: by two rates
+    /// where looks are a fifteenth of an oscillation apart, by two or three more where they are a
+    /// quarter.
     #[test]
     fn the_force_at_a_crest_is_the_highest() {
         let (mut worst, mut found) = (0.0_f64, 0);
@@ -152,8 +160,9 @@ mod tests {
         assert_eq!(find_negative(&|t| 0.1 + (t - 0.5).powi(2), [0.0, 1.0], [0.35, 0.35]), None);
     }
 
-    /// Parabolas and corners, some far steeper to one side, their least values above and below zero, anywhere in between: what is missed is not there. Fewer
-    /// rates tell than the eighty of all sections, twice each.
+    /// Parabolas and corners, some far steeper to one side, their least values above and below
+    /// zero, anywhere in between: what is missed is not there. Fewer rates tell than the eighty of
+    /// all sections, twice each.
     #[test]
     fn a_rate_falls_where_its_least_value_is_below_zero() {
         let (mut most, mut falls) = (0, 0);

@@ -63,8 +63,8 @@ pub(crate) fn sample_grid(scene: &Scene, shot: u32) -> Grid {
     free_grid(scene, shot, interval, (-start).max(0.0))
 }
 
-/// Sample times every `interval` (s), from `before` (s) ahead of the first contact: the scope's own clock runs freely, so
-/// the phase is drawn from the seed.
+/// Sample times every `interval` (s), from `before` (s) ahead of the first contact: the scope's own
+/// clock runs freely, so the phase is drawn from the seed.
 pub(crate) fn free_grid(scene: &Scene, shot: u32, interval: f64, before: f64) -> Grid {
     let phase: f64 = StandardUniform.sample(&mut noise_stream(scene.seed, shot, CLOCK_STREAM));
     let before = (before / interval).ceil() + SPARE_SAMPLES;
@@ -76,8 +76,9 @@ pub(crate) fn film_grid(scene: &Scene) -> Grid {
     Grid { start: 0.0, interval: scene.duration / f64::from(scene.frames) }
 }
 
-/// The bench of `scene`, its bodies let go at `velocities` (m/s): forces are watched at the sensors, in their order, and last at the wall if
-/// there is one, and sampled at the times `samples`; frames are taken at the times `frames`.
+/// The bench of `scene`, its bodies let go at `velocities` (m/s): forces are watched at the
+/// sensors, in their order, and last at the wall if there is one, and sampled at the times
+/// `samples`; frames are taken at the times `frames`.
 pub(crate) fn scene_bench<'a>(
     scene: &'a Scene,
     velocities: &[f64],

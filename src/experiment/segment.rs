@@ -1,12 +1,14 @@
-//! A force over one step, and what of it is kept: maxima between two looks, and steps in which it exceeded all before.
+//! A force over one step, and what of it is kept: maxima between two looks, and steps in which it
+//! exceeded all before.
 
 use super::roots::refine_maximum;
 use crate::chain::ForceSegment;
 use crate::chain::probe_step::{ContactPair, StepOverlaps};
 use crate::numeric::roots::root;
 
-/// A force over one step. Steps resolve the stiffest contact, or they would not be accepted, so a force turns at most twice
-/// between two of the places in [`SAMPLE_TIMES`](crate::chain::probe_step::SAMPLE_TIMES).
+/// A force over one step. Steps resolve the stiffest contact, or they would not be accepted, so a
+/// force turns at most twice between two of the places in
+/// [`SAMPLE_TIMES`](crate::chain::probe_step::SAMPLE_TIMES).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Segment {
     /// Of any method: which of [`ForceHistory::general`].
@@ -32,7 +34,8 @@ pub struct Bracket {
     pub rates: [f64; 2],
     /// Upper bound of its value (N).
     pub most: f64,
-    /// Whether no force before was as large: others are not the first peak, for the force that exceeded them came down from a maximum.
+    /// Whether no force before was as large: others are not the first peak, for the force that
+    /// exceeded them came down from a maximum.
     pub exceeds_all: bool,
 }
 
@@ -107,7 +110,8 @@ impl ForceHistory {
         (theta, self.force(segment, theta))
     }
 
-    /// The same sooner, the force to its last bits but not the place, where the maximum begins and ends at looks with the forces `ends` (N).
+    /// The same sooner, the force to its last bits but not the place, where the maximum begins and
+    /// ends at looks with the forces `ends` (N).
     pub fn height(&self, maximum: &Bracket, ends: Option<[f64; 2]>) -> (f64, f64) {
         let Bracket { segment, between, rates, .. } = maximum;
         let width = (between[1] - between[0]) * self.length(segment);

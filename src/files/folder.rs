@@ -1,5 +1,5 @@
-//! Folders written under a temporary name and moved into place when they are complete: every command that writes several files
-//! together.
+//! Folders written under a temporary name and moved into place when they are complete: every
+//! command that writes several files together.
 
 use std::fs::File;
 use std::io::{self, ErrorKind};
@@ -10,8 +10,8 @@ use super::part;
 use super::step::step;
 use super::whole::write;
 
-/// A folder that is written under a temporary name and moved into place when complete. If dropped earlier, the temporary folder is
-/// deleted.
+/// A folder that is written under a temporary name and moved into place when complete. If dropped
+/// earlier, the temporary folder is deleted.
 #[derive(Debug)]
 pub struct NewFolder {
     target: PathBuf,
@@ -21,12 +21,13 @@ pub struct NewFolder {
 }
 
 impl NewFolder {
-    /// Starts a folder whose files will replace those of the same name in `target` in one step; other files in `target` are kept.
-    /// Where the two cannot be swapped (a mount point, the working directory, some operating systems), the files are replaced one at
-    /// a time.
+    /// Starts a folder whose files will replace those of the same name in `target` in one step;
+    /// other files in `target` are kept. Where the two cannot be swapped (a mount point, the
+    /// working directory, some operating systems), the files are replaced one at a time.
     ///
     /// # Errors
-    /// [`ErrorKind::ResourceBusy`] if another process is writing `target`; otherwise the operating system's error.
+    /// [`ErrorKind::ResourceBusy`] if another process is writing `target`; otherwise the operating
+    /// system's error.
     pub fn replace(target: &Path) -> io::Result<Self> {
         let target = std::fs::canonicalize(target).unwrap_or_else(|_| target.to_owned());
         if std::fs::metadata(&target).is_ok_and(|found| !found.is_dir()) {
@@ -56,7 +57,8 @@ impl NewFolder {
     /// Moves the folder to its final name.
     ///
     /// # Errors
-    /// The operating system's error. The old contents are unchanged then, unless files had to be replaced one at a time.
+    /// The operating system's error. The old contents are unchanged then, unless files had to be
+    /// replaced one at a time.
     pub fn complete(self) -> io::Result<()> {
         sync_folder(&self.part);
         if !self.target.exists() {
@@ -112,7 +114,8 @@ impl NewFolder {
 
 impl Drop for NewFolder {
     fn drop(&mut self) {
-        // After a failure this is the incomplete folder, after a swap the old one, whose kept files are hard-linked elsewhere.
+        // After a failure this is the incomplete folder, after a swap the old one, whose kept files
+        // are hard-linked elsewhere.
         let _ = std::fs::remove_dir_all(&self.part);
     }
 }
@@ -159,8 +162,8 @@ fn link_others(from: &Path, to: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Creates the first folder `parent/name(N)`, N = 0, 1, ..., that does not exist yet, with the contents `files(N)`. Returns the paths
-/// of the files.
+/// Creates the first folder `parent/name(N)`, N = 0, 1, ..., that does not exist yet, with the
+/// contents `files(N)`. Returns the paths of the files.
 ///
 /// # Errors
 /// The operating system's error; then nothing is left behind.

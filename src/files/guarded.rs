@@ -6,7 +6,8 @@ use std::io::{self, ErrorKind, Write};
 use super::output::after_failure;
 use super::step::step;
 
-/// A file that refuses everything after a failed write: who goes on, as destructors do, must not complete what has a gap.
+/// A file that refuses everything after a failed write: who goes on, as destructors do, must not
+/// complete what has a gap.
 #[derive(Debug)]
 pub(super) struct GuardedFile {
     file: File,

@@ -8,7 +8,8 @@ use super::guarded::GuardedFile;
 use super::output::{Output, folder_of, numbered};
 use super::step::step;
 
-/// A file that others read while it grows: it has its name from the beginning, and a lock until it is complete.
+/// A file that others read while it grows: it has its name from the beginning, and a lock until it
+/// is complete.
 #[derive(Debug)]
 pub struct LiveFile {
     path: PathBuf,
@@ -16,7 +17,8 @@ pub struct LiveFile {
 }
 
 impl LiveFile {
-    /// Creates `target` or, if that exists, the first free name of [`numbered`]; missing folders are made.
+    /// Creates `target` or, if that exists, the first free name of [`numbered`]; missing folders
+    /// are made.
     ///
     /// # Errors
     /// The system's error.

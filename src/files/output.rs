@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 
 /// A file that is written from its beginning to its end.
 pub trait Output: Write + Send {
-    /// Completes the file: everything is on the disk and has its name when this returns. Returns that name.
+    /// Completes the file: everything is on the disk and has its name when this returns. Returns
+    /// that name.
     ///
     /// # Errors
     /// The system's error; a [`NewFile`](super::NewFile) then leaves what was there before.
@@ -51,7 +52,8 @@ pub(super) fn folder_of(file: &Path) -> &Path {
     file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Has the disk keep a renaming in `folder`; where that is not possible, the system does it in its own time.
+/// Has the disk keep a renaming in `folder`; where that is not possible, the system does it in its
+/// own time.
 pub(super) fn sync_folder(folder: &Path) {
     if cfg!(unix) {
         let _ = std::fs::File::open(folder).and_then(|folder| folder.sync_all());

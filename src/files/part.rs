@@ -12,13 +12,16 @@ use super::step::step;
 
 /// Ending of temporary names.
 const ENDING: &str = ".part";
-/// Age from which an unlocked temporary file is removed: a new one is not locked yet for an instant.
+/// Age from which an unlocked temporary file is removed: a new one is not locked yet for an
+/// instant.
 const STALE_AGE: Duration = Duration::from_secs(60);
 
-/// Creates something under a temporary name beside `target`; other writers of the same name are refused.
+/// Creates something under a temporary name beside `target`; other writers of the same name are
+/// refused.
 ///
 /// # Errors
-/// [`ErrorKind::ResourceBusy`] where another process writes `target`; what the system says otherwise.
+/// [`ErrorKind::ResourceBusy`] where another process writes `target`; what the system says
+/// otherwise.
 pub(super) fn create<T>(
     target: &Path,
     make: impl Fn(&Path) -> io::Result<T>,

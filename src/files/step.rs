@@ -1,4 +1,5 @@
-//! Ends the program at one of its writes, for tests: `HERTZSCOPE_TEST_ABORT_AT=N` aborts before the N-th one, without any cleaning up.
+//! Ends the program at one of its writes, for tests: `HERTZSCOPE_TEST_ABORT_AT=N` aborts before the
+//! N-th one, without any cleaning up.
 
 /// Marks a place where a write, a creation or a renaming is about to happen.
 #[cfg(debug_assertions)]

@@ -24,7 +24,8 @@ impl NewFile {
     /// Begins a file that replaces `target`; missing folders are made.
     ///
     /// # Errors
-    /// [`ErrorKind::ResourceBusy`] where another process writes `target`; what the system says otherwise.
+    /// [`ErrorKind::ResourceBusy`] where another process writes `target`; what the system says
+    /// otherwise.
     pub fn replace(target: &Path) -> io::Result<Self> {
         // A link stays, and what it points to is replaced.
         let target = std::fs::canonicalize(target).unwrap_or_else(|_| target.to_owned());
@@ -54,7 +55,8 @@ impl NewFile {
         Ok(Self { target, file: GuardedFile::new(file), part: Some(part), is_numbered: false })
     }
 
-    /// Begins a file that is called `target` or, if there is one already when it is complete, by the first free name of [`numbered`].
+    /// Begins a file that is called `target` or, if there is one already when it is complete, by
+    /// the first free name of [`numbered`].
     ///
     /// # Errors
     /// The system's error.
@@ -97,7 +99,8 @@ impl NewFile {
 
 fn create_new(path: &Path) -> io::Result<File> {
     let file = OpenOptions::new().read(true).write(true).create_new(true).open(path)?;
-    // Waits for processes that test the lock. Without locks others do not know that this file is being written.
+    // Waits for processes that test the lock. Without locks others do not know that this file is
+    // being written.
     let _ = file.lock();
     Ok(file)
 }
@@ -143,7 +146,8 @@ pub fn write(file: &Path, bytes: impl AsRef<[u8]>) -> io::Result<()> {
     Box::new(new).complete().map(|_| ())
 }
 
-/// Writes several files, each replaced in one step; all are on the disk before the first is renamed, in the order given.
+/// Writes several files, each replaced in one step; all are on the disk before the first is
+/// renamed, in the order given.
 ///
 /// # Errors
 /// The file with which it failed, and what the system says.

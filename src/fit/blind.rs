@@ -1,5 +1,5 @@
-//! Does a fit find what is hidden, as well as it says? Scenes with hidden numbers are recorded, noise, free clock and eight bits
-//! included, and fitted from the scene's own numbers.
+//! Does a fit find what is hidden, as well as it says? Scenes with hidden numbers are recorded,
+//! noise, free clock and eight bits included, and fitted from the scene's own numbers.
 
 use rand_distr::{Distribution, StandardUniform};
 use rand_pcg::Pcg64;
@@ -23,7 +23,8 @@ pub struct BlindParameter {
     pub path: String,
     /// Share of stated 95 % intervals that contain the truth (1).
     pub coverage_95: f64,
-    /// Mean of (found - true)/u: 0 without bias, give or take one over the root of the number of trials (1).
+    /// Mean of (found - true)/u: 0 without bias, give or take one over the root of the number of
+    /// trials (1).
     pub bias: f64,
     /// Standard deviation of the same: 1 where uncertainties are right (1).
     pub spread: f64,

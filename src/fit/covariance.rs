@@ -1,8 +1,10 @@
 //! Covariance of fitted parameters where rounding errors go together.
 //!
-//! The fit weighs samples as if their errors were white; they are not on quiet scopes. With residuals' derivatives `J`, `G = (J^T J)^-1` and the
-//! errors' own covariance `W`: `C = G J^T W J G`. `W` is white, scaled by the residual variance, but for the harmonics of
-//! [`crate::analysis::rounding`]. Source: the sandwich formula, e.g. W. H. Greene, "Econometric Analysis", 8th ed. (2018), Eq. 9-8.
+//! The fit weighs samples as if their errors were white; they are not on quiet scopes. With
+//! residuals' derivatives `J`, `G = (J^T J)^-1` and the errors' own covariance `W`:
+//! `C = G J^T W J G`. `W` is white, scaled by the residual variance, but for the harmonics of
+//! [`crate::analysis::rounding`]. Source: the sandwich formula, e.g. W. H. Greene, "Econometric
+//! Analysis", 8th ed. (2018), Eq. 9-8.
 
 use super::records::{ChannelRecord, Records};
 use crate::analysis::least_squares::Minimum;

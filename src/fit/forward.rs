@@ -1,4 +1,5 @@
-//! Computes a scope's traces of a scene, without noise and without rounding: forces through sensor, input and front end, at given times.
+//! Computes a scope's traces of a scene, without noise and without rounding: forces through sensor,
+//! input and front end, at given times.
 
 use crate::experiment::acquisition::volts;
 use crate::experiment::bench::Grid;
@@ -24,9 +25,10 @@ pub struct TimeAxis {
     pub count: usize,
 }
 
-/// The traces at the scene's channels `wanted`, each by its place and its front panel, on `axis`, whose zero is at `trigger` (s) after
-/// the striker's first contact (V). Every trace has one sample more at either end. Sensors are what their data tell; the
-/// scope is without errors. None where the record would end ten durations after the contact, or the trigger lies as far from it.
+/// The traces at the scene's channels `wanted`, each by its place and its front panel, on `axis`,
+/// whose zero is at `trigger` (s) after the striker's first contact (V). Every trace has one sample
+/// more at either end. Sensors are what their data tell; the scope is without errors. None where
+/// the record would end ten durations after the contact, or the trigger lies as far from it.
 ///
 /// # Errors
 /// [`RunError`] for states that stop being numbers.

@@ -1,13 +1,17 @@
-//! Finds numbers of a scene from measured traces: weighted least squares on what the scope shows of them.
+//! Finds numbers of a scene from measured traces: weighted least squares on what the scope shows of
+//! them.
 //!
-//! The model is the whole bench: chain, sensor with its droop, front end (`forward`); noise and rounding to levels are the samples'
-//! standard deviations. The trigger's time after the contact is always found along, since the scope's clock runs freely, and each channel's
-//! offset; its gain follows with a prior from the data sheet and the sensor's file, where it is not exact. Minimum by Levenberg and Marquardt from several starts, each in the valley where its traces fit
-//! best in time, where need be over ever longer parts of the records; covariance `s^2 (J^T J)^-1` with the residual variance, and what rounding adds on quiet scopes (`covariance`); a profile of
-//! what is badly determined (`profile`).
-//! Source of the propagation: JCGM 100:2008; W. H. Press et al., "Numerical Recipes", 3rd ed. (2007), sections 15.5 and 15.6. Uncertainties
-//! are those of noise and rounding: they hold where the model does, which the residual variance and the residuals' correlation from
-//! sample to sample tell.
+//! The model is the whole bench: chain, sensor with its droop, front end (`forward`); noise and
+//! rounding to levels are the samples' standard deviations. The trigger's time after the contact is
+//! always found along, since the scope's clock runs freely, and each channel's offset; its gain
+//! follows with a prior from the data sheet and the sensor's file, where it is not exact. Minimum
+//! by Levenberg and Marquardt from several starts, each in the valley where its traces fit best in
+//! time, where need be over ever longer parts of the records; covariance `s^2 (J^T J)^-1` with the
+//! residual variance, and what rounding adds on quiet scopes (`covariance`); a profile of what is
+//! badly determined (`profile`). Source of the propagation: JCGM 100:2008; W. H. Press et al.,
+//! "Numerical Recipes", 3rd ed. (2007), sections 15.5 and 15.6. Uncertainties are those of noise
+//! and rounding: they hold where the model does, which the residual variance and the residuals'
+//! correlation from sample to sample tell.
 
 pub mod blind;
 mod covariance;
@@ -47,10 +51,12 @@ pub struct Fit {
     pub shown: Vec<Vec<f64>>,
 }
 
-/// Fits `knobs` of `scene` to `measured`; `progress` is called with the share of the work done, as far as it can be foreseen.
+/// Fits `knobs` of `scene` to `measured`; `progress` is called with the share of the work done, as
+/// far as it can be foreseen.
 ///
 /// # Errors
-/// [`FitError`] where measurement and scene do not belong together, and where the traces do not tell the numbers.
+/// [`FitError`] where measurement and scene do not belong together, and where the traces do not
+/// tell the numbers.
 pub fn fit(
     (scene, knobs): (&Adjustable, &[AdjustableNumber]),
     measured: ComparedShot<'_>,
@@ -79,7 +85,8 @@ pub fn fit(
         .map_err(|u| undetermined(&minimum, &names, u.parameter))?;
     for (place, knob) in knobs.iter().enumerate() {
         let (value, u) = (minimum.x[place], covariance[place][place].sqrt());
-        // An interval that holds zero, or no number, says nothing about a quantity that starts away from zero.
+        // An interval that holds zero, or no number, says nothing about a quantity that starts away
+        // from zero.
         let is_determined = NORMAL_95 * u < value.abs();
         if !is_determined {
             let scaled = |x: f64| x * knob.value / knob.scale;

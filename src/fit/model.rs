@@ -1,9 +1,10 @@
 //! The residuals of a fit and their derivatives.
 //!
-//! Parameters, in this order: each freed number of the scene over its starting value; the time of the trigger after the striker's first
-//! contact, in sample intervals; a factor for each channel whose gain is not exact, with a residual `(g - 1)/u` where `u` is known; with
-//! `offsets`, a zero for each channel, in levels. The scene's
-//! numbers are differentiated by central differences with steps of about one standard deviation, the rest in closed form.
+//! Parameters, in this order: each freed number of the scene over its starting value; the time of
+//! the trigger after the striker's first contact, in sample intervals; a factor for each channel
+//! whose gain is not exact, with a residual `(g - 1)/u` where `u` is known; with `offsets`, a zero
+//! for each channel, in levels. The scene's numbers are differentiated by central differences with
+//! steps of about one standard deviation, the rest in closed form.
 
 use super::forward::{TimeAxis, forces_at};
 use super::records::{ChannelRecord, Records};
@@ -13,9 +14,11 @@ use crate::scene::adjust::{Adjustable, AdjustableNumber};
 
 /// First step of the differences, relative (1).
 const FIRST_STEP: f64 = 1e-3;
-/// Shortest and longest step, relative: shorter ones drown in the integration's error, longer ones see the curvature (1).
+/// Shortest and longest step, relative: shorter ones drown in the integration's error, longer ones
+/// see the curvature (1).
 const DIFFERENCE_STEPS: (f64, f64) = (1e-5, 1e-2);
-/// A number that is off by a larger factor from where it starts describes another bench, and could take any time to run (1).
+/// A number that is off by a larger factor from where it starts describes another bench, and could
+/// take any time to run (1).
 const MAX_PARAMETER_FACTOR: f64 = 20.0;
 /// Accuracy at which the trigger is looked for (1).
 const TRIGGER_ACCURACY: f64 = 1e-4;
@@ -34,7 +37,8 @@ pub struct TraceModel<'a> {
     pub holds_offsets: bool,
     /// Accuracy of the integration (1).
     pub accuracy: f64,
-    /// Samples of each record that count, from its start: late motion of a rattling chain has too many valleys to begin with.
+    /// Samples of each record that count, from its start: late motion of a rattling chain has too
+    /// many valleys to begin with.
     pub horizon: usize,
     /// Called after every run.
     pub progress: &'a mut dyn FnMut(),
@@ -83,7 +87,8 @@ impl<'a> TraceModel<'a> {
         names
     }
 
-    /// Starting point: the scene's numbers by these factors, and the trigger where traces fit best; none where the scene cannot run (1).
+    /// Starting point: the scene's numbers by these factors, and the trigger where traces fit best;
+    /// none where the scene cannot run (1).
     pub fn start(&mut self, factors: &[f64]) -> Option<Vec<f64>> {
         let trigger = self.find_trigger(factors)?;
         let mut x = factors.to_vec();
@@ -122,7 +127,8 @@ impl<'a> TraceModel<'a> {
         forces_at(&scene, &self.records.wanted(), axis, trigger, accuracy).ok()?
     }
 
-    /// Time of the trigger for which the sum of squared residuals is least, to a sample: all of them at once by correlation (s).
+    /// Time of the trigger for which the sum of squared residuals is least, to a sample: all of
+    /// them at once by correlation (s).
     fn find_trigger(&mut self, factors: &[f64]) -> Option<f64> {
         let axis = self.records.axis;
         let scene = self.scene.scene().ok()?;
@@ -171,7 +177,8 @@ impl<'a> TraceModel<'a> {
         self.records.list.iter().filter(|record| record.gain_u > 0.0)
     }
 
-    /// What the gains are off by what is known of them, in its standard deviations: residuals behind those of the samples (1).
+    /// What the gains are off by what is known of them, in its standard deviations: residuals
+    /// behind those of the samples (1).
     fn priors(&self, x: &[f64]) -> Vec<f64> {
         let nuisances = self.nuisances(x);
         let gains = self.records.list.iter().zip(&nuisances);

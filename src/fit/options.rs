@@ -5,7 +5,8 @@ use std::ops::RangeInclusive;
 use crate::analysis::gate::Gate;
 use crate::analysis::least_squares::StopCriteria;
 
-/// A step that lowers chi squared by less than this share of it moves no parameter by a thousandth of its uncertainty (1).
+/// A step that lowers chi squared by less than this share of it moves no parameter by a thousandth
+/// of its uncertainty (1).
 pub(super) const STOP_CRITERIA: StopCriteria = StopCriteria { reduction: 1e-11, steps: 60 };
 
 /// Samples in a scene's duration: fewer show no pulse, more are another experiment (1).
@@ -19,7 +20,8 @@ pub(super) const EXPECTED_STEPS: f64 = 10.0;
 pub struct FitOptions {
     /// Whether each channel has a gain of its own about which nothing is known.
     pub gains: bool,
-    /// Relative standard uncertainty of each channel's gain, 0 for exact ones; none takes the scope's and the sensor's files (1).
+    /// Relative standard uncertainty of each channel's gain, 0 for exact ones; none takes the
+    /// scope's and the sensor's files (1).
     pub gain_u: Option<f64>,
     /// Whether each channel has an offset of its own.
     pub offsets: bool,

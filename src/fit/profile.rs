@@ -1,7 +1,8 @@
 //! How chi squared rises beside the minimum where one parameter is held and all others follow.
 //!
-//! A parameter whose profile is no parabola has no symmetric uncertainty: its 95 % interval ends where `chi^2` has risen by `3.84 s^2`.
-//! Source: W. H. Press et al., "Numerical Recipes", 3rd ed. (2007), section 15.6.5 (confidence limits by constant chi squared).
+//! A parameter whose profile is no parabola has no symmetric uncertainty: its 95 % interval ends
+//! where `chi^2` has risen by `3.84 s^2`. Source: W. H. Press et al., "Numerical Recipes", 3rd ed.
+//! (2007), section 15.6.5 (confidence limits by constant chi squared).
 
 use serde::Serialize;
 
@@ -24,8 +25,8 @@ pub struct Profile {
     pub path: String,
     /// Values (SI units) and by how much chi squared is larger there, in residual variances.
     pub points: Vec<(f64, f64)>,
-    /// Ends of the 95 % interval in SI units; none where chi squared does not rise enough within three standard deviations, or the
-    /// scene allows no such value (unit).
+    /// Ends of the 95 % interval in SI units; none where chi squared does not rise enough within
+    /// three standard deviations, or the scene allows no such value (unit).
     pub interval_95: [Option<f64>; 2],
 }
 

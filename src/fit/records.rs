@@ -1,7 +1,7 @@
 //! The measured traces as a fit takes them: one time axis, and a weight for each sample.
 //!
-//! A sample's standard deviation is the noise before the pulse, no less than what rounding leaves, `q/sqrt(12)`. Samples at the
-//! converter's ends may lie beyond, and have no weight.
+//! A sample's standard deviation is the noise before the pulse, no less than what rounding leaves,
+//! `q/sqrt(12)`. Samples at the converter's ends may lie beyond, and have no weight.
 
 use super::forward::TimeAxis;
 use super::{FitError, FitOptions};
@@ -48,7 +48,8 @@ pub struct ChannelRecord {
     pub rounding: Rounding,
     /// Samples that they were found from.
     pub quiet_samples: usize,
-    /// Relative standard uncertainty of the channel's gain: 0 for an exact one, infinite where nothing is known (1).
+    /// Relative standard uncertainty of the channel's gain: 0 for an exact one, infinite where
+    /// nothing is known (1).
     pub gain_u: f64,
 }
 
@@ -74,7 +75,8 @@ impl Records {
     /// The captures of `measured` that belong to sensors of `scene`, inside `gate`.
     ///
     /// # Errors
-    /// [`FitError`] where no channel belongs to the scene, and where records do not share their times.
+    /// [`FitError`] where no channel belongs to the scene, and where records do not share their
+    /// times.
     pub fn of(
         measured: ComparedShot<'_>,
         scene: &Scene,
@@ -135,7 +137,8 @@ impl Records {
     }
 }
 
-/// How well the gain of a channel is known: as `options` say, or by the scope's data sheet and the sensor's file.
+/// How well the gain of a channel is known: as `options` say, or by the scope's data sheet and the
+/// sensor's file.
 fn gain_of(
     measured: ComparedShot<'_>,
     scene: &Scene,

@@ -18,7 +18,8 @@ const MAX_RESIDUAL_VARIANCE: f64 = 1.3;
 const NOISE_DEVIATIONS: f64 = 4.0;
 /// Residuals of a model that is right do not follow one another by more than this (1).
 const MAX_AUTOCORRELATION: f64 = 0.1;
-/// A common rounding error of more than this, in squares of a level, makes neighbouring residuals alike (1).
+/// A common rounding error of more than this, in squares of a level, makes neighbouring residuals
+/// alike (1).
 const QUIET: f64 = 1e-4;
 /// Starts whose chi squared is within this share of the lowest found the same minimum (1).
 const MINIMUM_TOLERANCE: f64 = 1e-3;
@@ -99,7 +100,8 @@ pub struct FitReport {
     pub degrees_of_freedom: usize,
     /// Chi squared over the degrees of freedom; 1 where nothing but noise is left (1).
     pub residual_variance: f64,
-    /// Whether nothing but noise is left; else the scene leaves something out, and no uncertainty holds.
+    /// Whether nothing but noise is left; else the scene leaves something out, and no uncertainty
+    /// holds.
     pub only_noise_is_left: bool,
     /// How well each channel is described.
     pub channels: Vec<ChannelResult>,

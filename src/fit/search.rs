@@ -1,4 +1,5 @@
-//! The lowest minimum from several starts, each over ever longer parts of the records where the direct way ends high.
+//! The lowest minimum from several starts, each over ever longer parts of the records where the
+//! direct way ends high.
 
 use rand_distr::{Distribution, StandardUniform};
 use rand_pcg::Pcg64;
@@ -11,12 +12,14 @@ use crate::analysis::least_squares::{LeastSquaresError, Minimum, StopCriteria, m
 const STAGE_SHARES: [f64; 3] = [0.4, 0.6, 0.8];
 /// On the way there, close is enough.
 const COARSE_CRITERIA: StopCriteria = StopCriteria { reduction: 1e-4, steps: 20 };
-/// Standard deviations that a residual variance is off by chance, and what is known of the noise (1).
+/// Standard deviations that a residual variance is off by chance, and what is known of the noise
+/// (1).
 const VARIANCE_DEVIATIONS: f64 = 5.0;
 /// Stream of the starting points.
 const START_STREAM: u128 = 1 << 72;
 
-/// The lowest minimum over all starts, and chi squared that each start came to; none for one that came to nothing.
+/// The lowest minimum over all starts, and chi squared that each start came to; none for one that
+/// came to nothing.
 pub fn best(
     model: &mut TraceModel<'_>,
     options: &FitOptions,
@@ -45,8 +48,8 @@ pub fn best(
     Ok((lowest.ok_or(failure)?, starts))
 }
 
-/// The minimum of the valley below `start`: first with offsets at the baselines, since free ones may lead into a false valley, and from there
-/// with all parameters.
+/// The minimum of the valley below `start`: first with offsets at the baselines, since free ones
+/// may lead into a false valley, and from there with all parameters.
 fn descend(model: &mut TraceModel<'_>, start: Vec<f64>) -> Result<Minimum, LeastSquaresError> {
     if !model.offsets {
         return descend_held(model, start);
@@ -57,8 +60,8 @@ fn descend(model: &mut TraceModel<'_>, start: Vec<f64>) -> Result<Minimum, Least
     minimise(model, &held.map_or(start, |minimum| minimum.x), STOP_CRITERIA)
 }
 
-/// The minimum of the valley below `start`; where that ends high or nowhere, the way over parts of the records is tried as well, and the
-/// lower end counts.
+/// The minimum of the valley below `start`; where that ends high or nowhere, the way over parts of
+/// the records is tried as well, and the lower end counts.
 fn descend_held(model: &mut TraceModel<'_>, start: Vec<f64>) -> Result<Minimum, LeastSquaresError> {
     let direct = minimise(model, &start, STOP_CRITERIA);
     if direct.as_ref().is_ok_and(is_chance) {
@@ -71,14 +74,15 @@ fn descend_held(model: &mut TraceModel<'_>, start: Vec<f64>) -> Result<Minimum, 
     }
 }
 
-/// Whether the residual variance may be one but for chance; in false valleys of a rattling chain it was 1.1 to 1.3 where chance makes 1.01.
+/// Whether the residual variance may be one but for chance; in false valleys of a rattling chain it
+/// was 1.1 to 1.3 where chance makes 1.01.
 fn is_chance(minimum: &Minimum) -> bool {
     let deviation = (2.0 / minimum.degrees_of_freedom as f64).sqrt();
     minimum.variance() - 1.0 < VARIANCE_DEVIATIONS * deviation
 }
 
-/// The minimum over ever longer parts of the records, each from where the one before ended: arrivals first, and what comes late, whose
-/// chi squared has many valleys, from close by.
+/// The minimum over ever longer parts of the records, each from where the one before ended:
+/// arrivals first, and what comes late, whose chi squared has many valleys, from close by.
 fn staged(model: &mut TraceModel<'_>, start: Vec<f64>) -> Result<Minimum, LeastSquaresError> {
     let count = model.records.axis.count;
     let mut x = start;

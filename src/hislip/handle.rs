@@ -1,6 +1,7 @@
 //! Executes the messages of a session.
 //!
-//! Remote and local control: what the control codes of `AsyncRemoteLocalControl` ask for. Source: IVI-6.1, table 17.
+//! Remote and local control: what the control codes of `AsyncRemoteLocalControl` ask for. Source:
+//! IVI-6.1, table 17.
 
 use super::message::{DecodedPiece, FIRST_VENDOR_TYPE, MAX_PAYLOAD, MessageHeader, MessageType};
 use super::server::{Server, error, fatal};
@@ -174,7 +175,8 @@ impl Server {
         }
     }
 
-    /// Does what has waited: releases, then requests for locks, then messages of those who may act again.
+    /// Does what has waited: releases, then requests for locks, then messages of those who may act
+    /// again.
     pub(super) fn settle(&mut self, instrument: &mut dyn Device) {
         let numbers: Vec<u16> = self.sessions.keys().copied().collect();
         for number in &numbers {

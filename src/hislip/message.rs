@@ -1,7 +1,7 @@
 //! Messages on the wire: a header of sixteen bytes, then a payload.
 //!
-//! `"HS"`, type, control code, parameter (four bytes), length of the payload (eight bytes), most significant byte first.
-//! Source: IVI-6.1, section 2.
+//! `"HS"`, type, control code, parameter (four bytes), length of the payload (eight bytes), most
+//! significant byte first. Source: IVI-6.1, section 2.
 
 /// Bytes of a header.
 pub const HEADER_BYTES: usize = 16;
@@ -150,8 +150,8 @@ pub struct Decoder {
 }
 
 impl Decoder {
-    /// Takes bytes as they come; [`Self::next_piece`] tells what they complete. Never keeps more than one message and the bytes
-    /// of one call.
+    /// Takes bytes as they come; [`Self::next_piece`] tells what they complete. Never keeps more
+    /// than one message and the bytes of one call.
     pub fn push(&mut self, bytes: &[u8]) {
         if self.malformed {
             return;

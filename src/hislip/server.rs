@@ -71,7 +71,8 @@ impl Server {
         both.into_iter().flatten().find(|other| *other != connection)
     }
 
-    /// Whether the session of `connection` waits: for the end of an acquisition, or for somebody else's lock.
+    /// Whether the session of `connection` waits: for the end of an acquisition, or for somebody
+    /// else's lock.
     pub fn is_waiting(&self, connection: u64, instrument: &dyn Device) -> bool {
         let Some(number) = self.connections.get(&connection).and_then(|link| link.session) else {
             return false;
@@ -127,7 +128,8 @@ impl Server {
         self.settle(instrument);
     }
 
-    /// Whether the input of a connection waits for another session's lock; such a connection is not read.
+    /// Whether the input of a connection waits for another session's lock; such a connection is not
+    /// read.
     pub fn is_held(&self, connection: u64) -> bool {
         let session = self.connections.get(&connection).and_then(|link| link.session);
         let session = session.and_then(|number| self.sessions.get(&number));
@@ -145,8 +147,8 @@ impl Server {
         }
     }
 
-    /// Time has passed: it is `now` (s), on a clock that does not run backwards. Requests for locks run out, and those who asked
-    /// for service are sent.
+    /// Time has passed: it is `now` (s), on a clock that does not run backwards. Requests for locks
+    /// run out, and those who asked for service are sent.
     pub fn advance(&mut self, now: f64, instrument: &mut dyn Device) {
         self.now = self.now.max(now);
         self.expire(instrument);

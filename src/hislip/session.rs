@@ -28,7 +28,8 @@ pub struct HislipSession {
     pub synchronous: u64,
     /// Number of its asynchronous connection, as soon as there is one.
     pub asynchronous: Option<u64>,
-    /// A device clear has begun: what comes on the synchronous connection is thrown away until it is complete.
+    /// A device clear has begun: what comes on the synchronous connection is thrown away until it
+    /// is complete.
     pub clearing: bool,
     /// Messages that wait for another session's lock.
     pub held: Vec<DecodedPiece>,
@@ -69,8 +70,8 @@ impl HislipSession {
         self.part = (largest - HEADER_BYTES).min(DEFAULT_PAYLOAD_LIMIT);
     }
 
-    /// A message or a part of it begins. Whether it is the first part of a message that comes before the reply to the one
-    /// before was delivered.
+    /// A message or a part of it begins. Whether it is the first part of a message that comes
+    /// before the reply to the one before was delivered.
     pub fn begin(&mut self, delivered: bool, owes_reply: bool) -> bool {
         let first = !std::mem::replace(&mut self.within_message, true);
         if delivered {
@@ -108,7 +109,8 @@ impl HislipSession {
         self.undelivered = false;
     }
 
-    /// Whether the message with this identifier, and with it everything sent before, has not come yet.
+    /// Whether the message with this identifier, and with it everything sent before, has not come
+    /// yet.
     pub fn awaits(&self, identifier: u32) -> bool {
         let Some(last) = self.last else {
             // A client that has sent nothing yet has no identifier to tell.

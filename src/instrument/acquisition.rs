@@ -1,9 +1,10 @@
 //! The acquisition's states, and the memories of the channels.
 //!
-//! `Armed` until the part of the record before the trigger is full, `Ready` until a trigger comes, `Trigger` until the
-//! part after it is full, then `Save` after a single sequence and `Armed` again otherwise. In automatic mode a scope
-//! that waits for long shows records without trigger: `Auto`, or `Scan` where the time base is slow. Time is passed in,
-//! in seconds on any clock that does not run backwards.
+//! `Armed` until the part of the record before the trigger is full, `Ready` until a trigger comes,
+//! `Trigger` until the part after it is full, then `Save` after a single sequence and `Armed` again
+//! otherwise. In automatic mode a scope that waits for long shows records without trigger: `Auto`,
+//! or `Scan` where the time base is slow. Time is passed in, in seconds on any clock that does not
+//! run backwards.
 
 use super::outcome::{Accepted, Finished, InFlight, TriggerInstant};
 use super::panel::{Panel, StopAfter};
@@ -131,7 +132,8 @@ impl Acquisition {
         }
     }
 
-    /// When a trigger is welcome: the part of the record before it is full, and the holdoff is over (s).
+    /// When a trigger is welcome: the part of the record before it is full, and the holdoff is over
+    /// (s).
     fn ready_at(&self, panel: &Panel, setup: &Setup) -> f64 {
         let full = self.armed_at + before_trigger(setup);
         let held_off = self.triggered_at.map_or(full, |at| at + panel.trigger.holdoff);

@@ -1,7 +1,8 @@
 //! AUTOSET: finds settings that show what is at the inputs.
 //!
-//! The settings follow the table "Autoset settings" of the TDS1000/2000 user manual (071-1064); how large and how many
-//! cycles a signal becomes is this program's choice, within what the manual describes.
+//! The settings follow the table "Autoset settings" of the TDS1000/2000 user manual (071-1064); how
+//! large and how many cycles a signal becomes is this program's choice, within what the manual
+//! describes.
 
 use super::limits;
 use super::measure::measure;
@@ -25,8 +26,8 @@ const TARGET_SWING: f64 = 4.0;
 const TARGET_CYCLES: f64 = 4.0;
 
 impl Instrument {
-    /// Scales every displayed channel to its record and the time base to the cycles of the lowest one, and triggers on
-    /// that at half height.
+    /// Scales every displayed channel to its record and the time base to the cycles of the lowest
+    /// one, and triggers on that at half height.
     pub fn autoset(&mut self) {
         let shown: Vec<u8> = (1..=self.model.channels)
             .filter(|number| self.panel.displays(Source::Channel(*number)))
@@ -90,7 +91,8 @@ impl Instrument {
     /// Puts the trigger level half way between the extremes of its source, where there is a record.
     ///
     /// # Errors
-    /// [`Event::SettingsConflict`] where the scope is stopped, and at the mains, which have no level.
+    /// [`Event::SettingsConflict`] where the scope is stopped, and at the mains, which have no
+    /// level.
     pub fn centre_trigger(&mut self) -> Result<(), Event> {
         let source = self.panel.trigger.source;
         if !self.is_running() || source == TriggerSource::Line {
@@ -104,7 +106,8 @@ impl Instrument {
         Ok(())
     }
 
-    /// The trigger looks at channel `number`, half way between the extremes of its record, if there is one.
+    /// The trigger looks at channel `number`, half way between the extremes of its record, if there
+    /// is one.
     fn centre_trigger_on(&mut self, number: u8) {
         self.panel.trigger.source = TriggerSource::Channel(number);
         let Ok(record) = self.waveform(Source::Channel(number)) else { return };

@@ -1,6 +1,8 @@
-//! The bench behind the instrument as the remote interface controls it: requests, which the owner of both carries out.
+//! The bench behind the instrument as the remote interface controls it: requests, which the owner
+//! of both carries out.
 //!
-//! Numbers are clamped into what can be simulated in reasonable time. An instrument without a bench has none of this.
+//! Numbers are clamped into what can be simulated in reasonable time. An instrument without a bench
+//! has none of this.
 
 use super::fault::Faults;
 use crate::trace::Trace;
@@ -40,10 +42,11 @@ pub struct RemoteBench {
     pub asked: u32,
     /// Faults on demand.
     pub faults: Faults,
-    /// True force at the sensor of each channel in the last impact, over the time after the striker's first contact; none for a channel that has no
-    /// sensor.
+    /// True force at the sensor of each channel in the last impact, over the time after the
+    /// striker's first contact; none for a channel that has no sensor.
     pub forces: Vec<Option<Trace>>,
-    /// Time of the scope's trigger in that impact after the striker's first contact, where it has triggered (s).
+    /// Time of the scope's trigger in that impact after the striker's first contact, where it has
+    /// triggered (s).
     pub triggered_at: Option<f64>,
 }
 

@@ -1,7 +1,9 @@
-//! The events that the instrument reports: code, text, and the bit of the event status register that each sets.
+//! The events that the instrument reports: code, text, and the bit of the event status register
+//! that each sets.
 //!
-//! Codes and the texts of 401, 420, 2202 and 2225 are those of real replies; further texts follow IEEE 488.2 and
-//! SCPI-1999, volume 2, chapter 21, where codes agree, and are this program's own words for 2231 to 2244.
+//! Codes and the texts of 401, 420, 2202 and 2225 are those of real replies; further texts follow
+//! IEEE 488.2 and SCPI-1999, volume 2, chapter 21, where codes agree, and are this program's own
+//! words for 2231 to 2244.
 
 /// Declares the events with their codes and texts.
 macro_rules! events {
@@ -72,7 +74,8 @@ impl Event {
         self.row().0
     }
 
-    /// The text as the instrument writes it, with the mark after which further information may stand.
+    /// The text as the instrument writes it, with the mark after which further information may
+    /// stand.
     pub fn message(self) -> String {
         format!("{}; ", self.row().1)
     }

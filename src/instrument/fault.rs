@@ -1,8 +1,9 @@
 //! Faults on demand, for trying lab programs: of replies, of the trigger, and of the sensors.
 //!
-//! Written as `KIND[@CHn][=VALUE][*COUNT]`, e.g. `noisy@CH2=50mV*1`: a sensor's fault may name one channel, and COUNT ends a fault after so many replies or
-//! impacts. Random numbers come from the seed of the instrument, so that the same faults do the same. Replies to `BENCh` commands are left alone: they are not the
-//! instrument's.
+//! Written as `KIND[@CHn][=VALUE][*COUNT]`, e.g. `noisy@CH2=50mV*1`: a sensor's fault may name one
+//! channel, and COUNT ends a fault after so many replies or impacts. Random numbers come from the
+//! seed of the instrument, so that the same faults do the same. Replies to `BENCh` commands are
+//! left alone: they are not the instrument's.
 
 use std::str::FromStr;
 

@@ -1,12 +1,14 @@
 //! Rounds typed numbers to the nearest setting of the instrument.
 //!
-//! Numbers are clamped and snapped, never refused. How far each knob turns is the model's data file's to say.
+//! Numbers are clamped and snapped, never refused. How far each knob turns is the model's data
+//! file's to say.
 
 use super::panel::Channel;
 use crate::scope::Model;
 use crate::scope::model::{RANGE_END_FACTOR, nearest};
 
-/// A number to `digits` significant decimal digits, so that steps do not show the rounding of binary numbers (unit).
+/// A number to `digits` significant decimal digits, so that steps do not show the rounding of
+/// binary numbers (unit).
 pub fn rounded(value: f64, digits: usize) -> f64 {
     format!("{value:.*E}", digits.saturating_sub(1)).parse().unwrap_or(value)
 }
@@ -14,8 +16,8 @@ pub fn rounded(value: f64, digits: usize) -> f64 {
 /// Digits of a fine vertical scale: real files hold 59 and 288 mV/div.
 const FINE_DIGITS: usize = 3;
 
-/// A vertical scale (V/div) through a probe (1): the nearest step of the model's 1-2-5 series, or if fine any between the
-/// smallest and the largest, to three digits (V/div).
+/// A vertical scale (V/div) through a probe (1): the nearest step of the model's 1-2-5 series, or
+/// if fine any between the smallest and the largest, to three digits (V/div).
 pub fn vertical_scale(model: &Model, (scale, probe): (f64, f64), fine: bool) -> f64 {
     let steps = &model.vertical_scales;
     let at_input = match (steps.first(), steps.last()) {
@@ -27,7 +29,8 @@ pub fn vertical_scale(model: &Model, (scale, probe): (f64, f64), fine: bool) -> 
     rounded(at_input * probe, 9)
 }
 
-/// Turns a channel to the scale nearest to `scale` (V/div); the position stays within its reach there.
+/// Turns a channel to the scale nearest to `scale` (V/div); the position stays within its reach
+/// there.
 pub fn turn_scale(model: &Model, channel: &mut Channel, scale: f64) {
     let vertical = &mut channel.vertical;
     vertical.scale = vertical_scale(model, (scale, vertical.probe), channel.fine);

@@ -1,8 +1,9 @@
 //! The math trace: sums, differences, and the spectrum.
 //!
-//! The spectrum's law stands in the model's data file; on this family it was computed from real files: 2048 of the 2500
-//! points make 1024 bins; the sample rate of the transform is 250 points a division, and 100/99 of that from 250 us/div
-//! on; a level is 0.4 dB from `20 log10(V/div) - 20.9691`, and nothing lies lower than 100 levels below it.
+//! The spectrum's law stands in the model's data file; on this family it was computed from real
+//! files: 2048 of the 2500 points make 1024 bins; the sample rate of the transform is 250 points a
+//! division, and 100/99 of that from 250 us/div on; a level is 0.4 dB from
+//! `20 log10(V/div) - 20.9691`, and nothing lies lower than 100 levels below it.
 
 use std::f64::consts::PI;
 
@@ -31,7 +32,8 @@ fn to_code(level: f64, lowest: f64) -> i16 {
     level.round().clamp(lowest, f64::from(HIGHEST_CODE)) as i16
 }
 
-/// Sum (`sign` 1) or difference (-1) of two records of one length, in levels of the coarser scale (1).
+/// Sum (`sign` 1) or difference (-1) of two records of one length, in levels of the coarser scale
+/// (1).
 pub fn combine(a: &Waveform, b: &Waveform, sign: f64) -> Option<Waveform> {
     if a.codes.len() != b.codes.len() {
         return None;

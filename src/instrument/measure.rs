@@ -1,9 +1,10 @@
 //! The automatic measurements.
 //!
-//! Levels are taken from the record's extremes: the middle reference is half way between lowest and highest level, and a
-//! crossing counts once the signal has left a band of a tenth of the swing around the reference on the other side. Times
-//! of crossings are interpolated between points. What a scan has left blank is no sample: extremes and mean are those of the others, and
-//! cycles and edges are looked for in the longest part without a blank.
+//! Levels are taken from the record's extremes: the middle reference is half way between lowest and
+//! highest level, and a crossing counts once the signal has left a band of a tenth of the swing
+//! around the reference on the other side. Times of crossings are interpolated between points. What
+//! a scan has left blank is no sample: extremes and mean are those of the others, and cycles and
+//! edges are looked for in the longest part without a blank.
 
 use super::event::Event;
 use super::panel::MeasurementType;

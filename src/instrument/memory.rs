@@ -52,7 +52,8 @@ impl Instrument {
     /// Copies a displayed waveform into reference memory `letter`.
     ///
     /// # Errors
-    /// [`Event::NotActive`] for a waveform that is not displayed, [`Event::NotAReference`] for an unknown memory.
+    /// [`Event::NotActive`] for a waveform that is not displayed, [`Event::NotAReference`] for an
+    /// unknown memory.
     pub fn save_waveform(&mut self, source: Source, letter: char) -> Result<(), Event> {
         let waveform = self.waveform(source)?.into_owned();
         self.put_reference(waveform, letter)

@@ -1,9 +1,11 @@
-//! The oscilloscope as an instrument with a memory: front panel, acquisition, waveforms, set-ups, status.
+//! The oscilloscope as an instrument with a memory: front panel, acquisition, waveforms, set-ups,
+//! status.
 //!
-//! Stands between the bench and the remote interface. The bench asks [`Instrument::sample_window`] for the sample grid, passes
-//! time in with [`Instrument::advance`], and hands over what happens at the inputs with [`Instrument::accept_signals`],
-//! or finished captures with [`Instrument::store`]; `scpi` turns messages into changes of the front panel and answers
-//! from here. No I/O, no clock, no threads: its owner advances the time.
+//! Stands between the bench and the remote interface. The bench asks [`Instrument::sample_window`]
+//! for the sample grid, passes time in with [`Instrument::advance`], and hands over what happens at
+//! the inputs with [`Instrument::accept_signals`], or finished captures with [`Instrument::store`];
+//! `scpi` turns messages into changes of the front panel and answers from here. No I/O, no clock,
+//! no threads: its owner advances the time.
 
 pub mod acquisition;
 mod autoset;
@@ -66,7 +68,8 @@ pub struct Instrument {
     /// The remote interface's requests to the bench.
     pub bench: RemoteBench,
     settled: Panel,
-    /// The settled front panel as front end and digitiser take it: built when something changes, not at every look.
+    /// The settled front panel as front end and digitiser take it: built when something changes,
+    /// not at every look.
     settled_setup: Setup,
     autoset_signal: AutosetSignal,
     acquisition: Acquisition,
@@ -94,7 +97,8 @@ impl FrontEnd {
 }
 
 impl Instrument {
-    /// An instrument that was just switched on with all the settings, the noise and the errors of `setup`, running.
+    /// An instrument that was just switched on with all the settings, the noise and the errors of
+    /// `setup`, running.
     pub fn of(setup: &Setup, seed: u64) -> Self {
         let mut instrument = Self::new(setup.model.clone(), setup.noise, seed);
         instrument.set_front_end(setup);
@@ -103,8 +107,8 @@ impl Instrument {
         instrument
     }
 
-    /// An instrument that was just switched on, with its factory set-up, running. `noise` is that of its front end, root
-    /// mean square (div).
+    /// An instrument that was just switched on, with its factory set-up, running. `noise` is that
+    /// of its front end, root mean square (div).
     pub fn new(model: Model, noise: f64, seed: u64) -> Self {
         let panel = Panel::default();
         let points = model.record_length;
@@ -130,7 +134,8 @@ impl Instrument {
         instrument
     }
 
-    /// Puts the bench's amplifiers before the digitiser: noise and errors of `setup`, nothing else of it.
+    /// Puts the bench's amplifiers before the digitiser: noise and errors of `setup`, nothing else
+    /// of it.
     pub fn set_front_end(&mut self, setup: &Setup) {
         self.front_end = FrontEnd::of(setup);
         self.settled_setup = self.build_setup(&self.settled);
@@ -150,8 +155,8 @@ impl Instrument {
         self.note_completion();
     }
 
-    /// Something happens at the inputs now. The record is complete, and in memory, when [`Self::advance`] has passed the
-    /// time that is returned.
+    /// Something happens at the inputs now. The record is complete, and in memory, when
+    /// [`Self::advance`] has passed the time that is returned.
     pub fn accept_signals(&mut self, signals: &Signals) -> Accepted {
         let unsettled = self.unsettled_setup();
         let setup = unsettled.as_ref().unwrap_or(&self.settled_setup);
@@ -165,7 +170,8 @@ impl Instrument {
         Preparation { panel, setup, seed: self.seed, now: self.acquisition.now() }
     }
 
-    /// As [`Self::accept_signals`] with records that were made before; nothing where they were made with other settings.
+    /// As [`Self::accept_signals`] with records that were made before; nothing where they were made
+    /// with other settings.
     pub fn accept_prepared(&mut self, signals: &Signals, prepared: Prepared) -> Option<Accepted> {
         let unsettled = self.unsettled_setup();
         let setup = unsettled.as_ref().unwrap_or(&self.settled_setup);
@@ -176,7 +182,8 @@ impl Instrument {
         Some(self.acquisition.accept_with(&by, signals, || prepared.taken))
     }
 
-    /// Shows finished captures as if just taken: their channels are displayed, and the acquisition stops.
+    /// Shows finished captures as if just taken: their channels are displayed, and the acquisition
+    /// stops.
     pub fn store(&mut self, captures: &[Capture]) {
         self.acquisition.stop();
         for capture in captures {
@@ -224,12 +231,14 @@ impl Instrument {
         setup
     }
 
-    /// The records of the last acquisition that was triggered, or that ended a single sequence, if they have not been read since.
+    /// The records of the last acquisition that was triggered, or that ended a single sequence, if
+    /// they have not been read since.
     pub fn take_finished(&mut self) -> Option<Finished> {
         self.acquisition.take_finished()
     }
 
-    /// Time of the trigger of the record that is on its way, after the first sample of its signals (s).
+    /// Time of the trigger of the record that is on its way, after the first sample of its signals
+    /// (s).
     pub fn trigger_time(&self) -> Option<f64> {
         self.acquisition.trigger_on_its_way().map(|trigger| trigger.time)
     }
@@ -260,12 +269,14 @@ impl Instrument {
         self.acquisition.state(&self.panel, &self.current())
     }
 
-    /// Records taken since the acquisition was started; always none in scan mode (manual, `ACQuire:NUMACq?`).
+    /// Records taken since the acquisition was started; always none in scan mode (manual,
+    /// `ACQuire:NUMACq?`).
     pub fn acquisitions(&self) -> u32 {
         if timing::scans(&self.current()) { 0 } else { self.acquisition.count() }
     }
 
-    /// Whether automatic measurements have nothing to measure: the scope scans, or draws one channel against another.
+    /// Whether automatic measurements have nothing to measure: the scope scans, or draws one
+    /// channel against another.
     pub fn measures_nothing(&self) -> bool {
         self.state() == State::Scan || self.panel.display.format == DisplayFormat::Xy
     }
@@ -283,7 +294,8 @@ impl Instrument {
         self.acquisition.force(&by);
     }
 
-    /// After a change of settings: what a running acquisition has so far no longer fits, and it begins anew.
+    /// After a change of settings: what a running acquisition has so far no longer fits, and it
+    /// begins anew.
     pub fn keep_consistent(&mut self) {
         if self.panel == self.settled {
             return;
@@ -307,8 +319,8 @@ impl Instrument {
         self.settled_setup = setup;
     }
 
-    /// The factory set-up. Memories of waveforms and set-ups stay, and so do the settings that the manual excepts: printer, contrast, lock,
-    /// language and serial line.
+    /// The factory set-up. Memories of waveforms and set-ups stay, and so do the settings that the
+    /// manual excepts: printer, contrast, lock, language and serial line.
     pub fn reset(&mut self) {
         let mut panel = Panel::default();
         panel.hard_copy = self.panel.hard_copy;

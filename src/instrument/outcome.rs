@@ -16,7 +16,8 @@ pub enum Accepted {
     NoTrigger,
     /// The scope was stopped or still filling the part before the trigger.
     NotReady,
-    /// The signals have another sample interval than the set-up: they were made for another time base, and are dropped.
+    /// The signals have another sample interval than the set-up: they were made for another time
+    /// base, and are dropped.
     OtherInterval,
 }
 

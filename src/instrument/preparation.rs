@@ -1,4 +1,5 @@
-//! Records made of signals away from the instrument: on long records that takes a second, in which the instrument has to answer.
+//! Records made of signals away from the instrument: on long records that takes a second, in which
+//! the instrument has to answer.
 
 use super::outcome::TriggerInstant;
 use super::panel::Panel;
@@ -22,7 +23,8 @@ pub struct Prepared {
 }
 
 impl Preparation {
-    /// Conditions and digitises `signals`, and looks for the trigger. Signals of another sample interval have no records.
+    /// Conditions and digitises `signals`, and looks for the trigger. Signals of another sample
+    /// interval have no records.
     pub fn take(self, signals: &Signals) -> Prepared {
         let by = Acquirer { panel: &self.panel, setup: &self.setup, seed: self.seed };
         let taken = if by.fits(signals) { by.take(signals, self.now) } else { None };

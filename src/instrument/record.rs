@@ -11,7 +11,8 @@ use crate::scope::{AcquireMode, Setup, Source, TriggerMode, TriggerSource, Wavef
 /// Signals at the inputs: volts at the probes' tips on one sample grid.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Signals {
-    /// Time base that they were made for; none where their interval alone decides whether they fit (s/div).
+    /// Time base that they were made for; none where their interval alone decides whether they fit
+    /// (s/div).
     pub time_base: Option<f64>,
     /// From one sample to the next (s).
     pub interval: f64,
@@ -19,7 +20,8 @@ pub struct Signals {
     pub automatic: usize,
     /// Signal of each channel in order; a missing or empty one is an open input, at zero volts (V).
     pub volts: Vec<Vec<f64>>,
-    /// Signal of the external trigger input on the same grid; empty at an open one, at zero volts (V).
+    /// Signal of the external trigger input on the same grid; empty at an open one, at zero volts
+    /// (V).
     pub external: Vec<f64>,
     /// Number of the shot, which the noise is drawn for.
     pub shot: u32,
@@ -41,8 +43,9 @@ pub struct Acquirer<'a> {
 }
 
 impl Acquirer<'_> {
-    /// The record of every channel that is recorded and the trigger, or none if nothing triggers. Signals must have this set-up's sample
-    /// interval; they arrive at `now` (s), which gives the phase of the mains.
+    /// The record of every channel that is recorded and the trigger, or none if nothing triggers.
+    /// Signals must have this set-up's sample interval; they arrive at `now` (s), which gives the
+    /// phase of the mains.
     pub fn take(&self, signals: &Signals, now: f64) -> Option<(Vec<Waveform>, TriggerInstant)> {
         let model = &self.setup.model;
         let interval = self.setup.signal_interval();
@@ -83,8 +86,9 @@ impl Acquirer<'_> {
         Some((records, TriggerInstant { shot: signals.shot, time: found.index as f64 * interval }))
     }
 
-    /// The records of inputs at which nothing happens, at a time base whose signals are denser than its records: noise is drawn at the record's points alone,
-    /// as there are hundreds of samples between them. None at other time bases, and for peak detection, which shows these samples.
+    /// The records of inputs at which nothing happens, at a time base whose signals are denser than
+    /// its records: noise is drawn at the record's points alone, as there are hundreds of samples
+    /// between them. None at other time bases, and for peak detection, which shows these samples.
     pub fn take_quiet(&self, shot: u32) -> Option<Vec<Waveform>> {
         let setup = self.setup;
         let interval = setup.model.interval(setup.time_base);
@@ -102,7 +106,8 @@ impl Acquirer<'_> {
         is_sparse.then(|| (1..=setup.model.channels).filter_map(quiet).collect())
     }
 
-    /// Whether `signals` were made for the time base of this set-up, and have its sample interval, to rounding.
+    /// Whether `signals` were made for the time base of this set-up, and have its sample interval,
+    /// to rounding.
     pub fn fits(&self, signals: &Signals) -> bool {
         let interval = self.setup.signal_interval();
         signals
@@ -111,7 +116,8 @@ impl Acquirer<'_> {
             && (signals.interval - interval).abs() <= INTERVAL_TOLERANCE * interval
     }
 
-    /// The external input or the mains on the grid of the signals, and the scale that its sensitivity counts in (V/div).
+    /// The external input or the mains on the grid of the signals, and the scale that its
+    /// sensitivity counts in (V/div).
     fn other_source(&self, external: &[f64], samples: usize, start: f64) -> (Vec<f64>, f64) {
         let (model, source) = (&self.setup.model, self.panel.trigger.source);
         if source == TriggerSource::Line {

@@ -1,9 +1,11 @@
-//! Scan mode: a sweep that writes points from left to right as time passes, with a blank ahead of it.
+//! Scan mode: a sweep that writes points from left to right as time passes, with a blank ahead of
+//! it.
 //!
-//! Blank points stand at the converter's lowest level; times count from the screen's left edge. Source: records that
-//! instruments of this family saved in scan mode, 250 such points in each, and all that a first sweep had not reached.
-//! Peak detection keeps the extremes of each two intervals; an average is that of the sweeps at each point, for which no real
-//! record speaks. A single sequence ends after one sweep, or as many as are averaged.
+//! Blank points stand at the converter's lowest level; times count from the screen's left edge.
+//! Source: records that instruments of this family saved in scan mode, 250 such points in each, and
+//! all that a first sweep had not reached. Peak detection keeps the extremes of each two intervals;
+//! an average is that of the sweeps at each point, for which no real record speaks. A single
+//! sequence ends after one sweep, or as many as are averaged.
 
 use std::collections::VecDeque;
 
@@ -58,13 +60,15 @@ impl Sweep {
         Self { started: now, written: 0, lanes, batches: 0 }
     }
 
-    /// Whether one point of the sweep is a whole number of samples of `signals`, to a percent of a sample.
+    /// Whether one point of the sweep is a whole number of samples of `signals`, to a percent of a
+    /// sample.
     pub fn fits(by: &Acquirer<'_>, signals: &Signals) -> bool {
         let ratio = by.setup.model.interval(by.setup.time_base) / signals.interval;
         ratio.is_finite() && ratio > 0.99 && (ratio - ratio.round()).abs() < 0.01
     }
 
-    /// Puts down what arrives now: the next points are its first sample of each interval, or in peak detection its extremes.
+    /// Puts down what arrives now: the next points are its first sample of each interval, or in
+    /// peak detection its extremes.
     pub fn accept(&mut self, by: &Acquirer<'_>, signals: &Signals) {
         let Some(step) = step(by, signals.interval) else { return };
         for (number, channel, lane) in recorded(by, &mut self.lanes) {
@@ -146,7 +150,8 @@ impl Sweep {
 }
 
 impl ScanChannel {
-    /// Writes a point in sweep `sweep` (counted from 1), beyond the first as a mean with what stands there.
+    /// Writes a point in sweep `sweep` (counted from 1), beyond the first as a mean with what
+    /// stands there.
     fn write(&mut self, place: usize, code: i16, sweep: u32) {
         if let (Some(mean), Some(point)) = (self.means.get_mut(place), self.codes.get_mut(place)) {
             *mean = if sweep <= 1 {
@@ -160,10 +165,11 @@ impl ScanChannel {
     }
 }
 
-/// Which points of a record are blank: those that a scan has not reached, and those ahead of it. None in other records.
+/// Which points of a record are blank: those that a scan has not reached, and those ahead of it.
+/// None in other records.
 ///
-/// A record does not mark them: a scan's begins at time zero without a trigger, at 100 ms/div or slower, and blank points are those in
-/// a row of a division or more at the lowest level.
+/// A record does not mark them: a scan's begins at time zero without a trigger, at 100 ms/div or
+/// slower, and blank points are those in a row of a division or more at the lowest level.
 pub fn blank(record: &Waveform) -> Vec<bool> {
     let mut blank = vec![false; record.codes.len()];
     let is_scan = record.preamble.x_zero.abs() < f64::MIN_POSITIVE
@@ -202,8 +208,8 @@ fn sweep(index: usize, most: u32) -> u32 {
     u32::try_from(index).unwrap_or(u32::MAX).saturating_add(1).min(most)
 }
 
-/// Levels of the points of a signal with `step` samples to each: the first of them, or in peak detection the lowest and the
-/// highest of two points' in turn.
+/// Levels of the points of a signal with `step` samples to each: the first of them, or in peak
+/// detection the lowest and the highest of two points' in turn.
 fn points<'a>(
     by: &Acquirer<'_>,
     channel: &'a ChannelSetup,

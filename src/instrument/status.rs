@@ -1,7 +1,8 @@
 //! Status registers and the event queue.
 //!
-//! An event sets its bit in the event status register and waits; `*ESR?` reads and clears the register and releases the
-//! events that waited, which `EVENT?`, `EVMsg?` and `ALLEv?` then read. Source: programmer manual 071-1075, chapter 3.
+//! An event sets its bit in the event status register and waits; `*ESR?` reads and clears the
+//! register and releases the events that waited, which `EVENT?`, `EVMsg?` and `ALLEv?` then read.
+//! Source: programmer manual 071-1075, chapter 3.
 
 use std::collections::VecDeque;
 

@@ -1,4 +1,5 @@
-//! How waveforms travel: the settings of `DATa`, and the preamble that comes with a waveform sent in.
+//! How waveforms travel: the settings of `DATa`, and the preamble that comes with a waveform sent
+//! in.
 
 use super::word::words;
 use crate::scope::{PointFormat, Source};
@@ -132,7 +133,8 @@ impl Transfer {
         if self.width == 2 { STEPS_PER_LEVEL } else { 1.0 }
     }
 
-    /// Offset added to levels before they are sent: positive numbers begin at the lowest level, text is signed (1).
+    /// Offset added to levels before they are sent: positive numbers begin at the lowest level,
+    /// text is signed (1).
     pub fn shift(&self) -> f64 {
         match (self.format, self.numbers) {
             (CurveFormat::Binary, NumberFormat::Positive) => LEVELS_BELOW_ZERO,

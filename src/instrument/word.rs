@@ -1,4 +1,5 @@
-//! Settings that are words: one spelling, its capitals the shortest form that the remote interface takes.
+//! Settings that are words: one spelling, its capitals the shortest form that the remote interface
+//! takes.
 
 use crate::scope::{
     AcquireMode, Coupling, EdgeCoupling, Slope, Source, TriggerMode, TriggerSource,
@@ -14,7 +15,8 @@ pub trait Word: Copy + PartialEq + Sync + 'static {
         Self::WORDS.iter().find(|(choice, _)| *choice == self).map_or("", |(_, word)| word)
     }
 
-    /// The choice that a typed word stands for, at any length between the short form and the full one.
+    /// The choice that a typed word stands for, at any length between the short form and the full
+    /// one.
     fn from_word(typed: &str) -> Option<Self> {
         Self::WORDS.iter().find(|(_, word)| abbreviates(typed, word)).map(|(choice, _)| *choice)
     }
@@ -26,7 +28,8 @@ pub fn short_form(word: &str) -> &str {
     word.get(..end).unwrap_or(word)
 }
 
-/// Whether `typed` is `word` or a beginning of it that is no shorter than its short form, in capitals or not.
+/// Whether `typed` is `word` or a beginning of it that is no shorter than its short form, in
+/// capitals or not.
 pub fn abbreviates(typed: &str, word: &str) -> bool {
     typed.len() >= short_form(word).len()
         && word.get(..typed.len()).is_some_and(|start| start.eq_ignore_ascii_case(typed))

@@ -9,8 +9,8 @@ const SAFETY: f64 = 0.8;
 const SMALLEST_CHANGE: f64 = 0.2;
 /// Default limit on the growth of a step; [`StepControl::growing`] sets a smaller one (1).
 const LARGEST_CHANGE: f64 = 5.0;
-/// Shortest step, in multiples of the rounding error of the time. A shorter one, shrunk by [`SAFETY`] after a rejection, could round to the
-/// same step, and the run would never end (1).
+/// Shortest step, in multiples of the rounding error of the time. A shorter one, shrunk by
+/// [`SAFETY`] after a rejection, could round to the same step, and the run would never end (1).
 const SHORTEST: f64 = 4.0;
 
 /// State of the step size controller.
@@ -19,7 +19,8 @@ pub struct StepControl {
     step: f64,
     /// A step grows at most by this factor (1).
     growth: f64,
-    /// The step is scaled by the error to this power, -1/(p + 1) for an error estimate of order p (1).
+    /// The step is scaled by the error to this power, -1/(p + 1) for an error estimate of order p
+    /// (1).
     exponent: f64,
     after_rejection: bool,
     /// Body whose values were not finite at the last attempt.
@@ -52,7 +53,8 @@ impl StepControl {
     /// The step to try from `start` towards `end` (s).
     ///
     /// # Errors
-    /// [`IntegrateError`] when rounding of the time would swallow the step, so that a run would never end.
+    /// [`IntegrateError`] when rounding of the time would swallow the step, so that a run would
+    /// never end.
     #[inline]
     pub fn trial(&self, start: f64, end: f64) -> Result<Trial, IntegrateError> {
         // If what would remain of the interval is only rounding error, the step goes to its end.
@@ -70,8 +72,9 @@ impl StepControl {
         })
     }
 
-    /// Judges a trial by its error in multiples of the tolerance (1), and chooses the next step. `non_finite` names a body
-    /// whose values are not finite; called only if the error is not finite.
+    /// Judges a trial by its error in multiples of the tolerance (1), and chooses the next step.
+    /// `non_finite` names a body whose values are not finite; called only if the error is not
+    /// finite.
     #[inline]
     pub fn accepts(
         &mut self,
@@ -95,12 +98,14 @@ impl StepControl {
     }
 }
 
-/// The first step, as a fraction of position scale over speed scale: a striker's contact may have just begun (1).
+/// The first step, as a fraction of position scale over speed scale: a striker's contact may have
+/// just begun (1).
 const FIRST_STEP: f64 = 1e-3;
 /// First step of a system at rest times its highest angular frequency (rad).
 const FIRST_STEP_AT_REST: f64 = 0.01;
 
-/// The first step of a system with these scales; if it is at rest, from its highest angular `frequency` in rad/s (s).
+/// The first step of a system with these scales; if it is at rest, from its highest angular
+/// `frequency` in rad/s (s).
 pub fn first_step(scales: Scales, frequency: f64) -> f64 {
     let step = FIRST_STEP * scales.position / scales.velocity;
     if step.is_finite() && step > 0.0 { step } else { FIRST_STEP_AT_REST / frequency }
@@ -112,7 +117,8 @@ pub fn first_step_of(system: &dyn System, state: &State) -> f64 {
     first_step(scales, system.pacing(state).frequency)
 }
 
-/// Largest of the errors of a position (m) and a velocity (m/s) relative to `scales`; infinite where anything is not a number (1).
+/// Largest of the errors of a position (m) and a velocity (m/s) relative to `scales`; infinite
+/// where anything is not a number (1).
 pub fn relative_error([position, velocity]: [f64; 2], scales: Scales) -> f64 {
     // A system at rest has zero scale and zero error: no 0/0.
     let ratio = |error: f64, scale: f64| if error == 0.0 { 0.0 } else { error / scale };
@@ -131,7 +137,8 @@ pub fn largest(values: &[f64]) -> f64 {
     )
 }
 
-/// `value += increment`, keeping the rounding error in `compensation`. Source: W. Kahan, Commun. ACM 8, 40 (1965).
+/// `value += increment`, keeping the rounding error in `compensation`. Source: W. Kahan, Commun.
+/// ACM 8, 40 (1965).
 pub fn add_compensated(value: &mut f64, compensation: &mut f64, increment: f64) {
     let increment = increment - *compensation;
     let sum = *value + increment;

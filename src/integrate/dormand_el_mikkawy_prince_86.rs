@@ -1,7 +1,8 @@
 //! Dormand, El-Mikkawy and Prince's Runge-Kutta-Nystrom pair of orders 8(6), "RKN 8(6) 9FM".
 //!
-//! The last stage stands at the new position and opens the next step, so a step costs 8 evaluations. Forces must not depend
-//! on velocity. `tests/it/order.rs` measures the order; a mistyped digit would break it.
+//! The last stage stands at the new position and opens the next step, so a step costs 8
+//! evaluations. Forces must not depend on velocity. `tests/it/order.rs` measures the order; a
+//! mistyped digit would break it.
 
 #![allow(clippy::unreadable_literal, reason = "digits as published, divided out")]
 

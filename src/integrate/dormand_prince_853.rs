@@ -1,9 +1,10 @@
-//! Dormand and Prince's explicit Runge-Kutta pair of orders 8(5,3): twelve force evaluations a step, three more where a step is interpolated.
+//! Dormand and Prince's explicit Runge-Kutta pair of orders 8(5,3): twelve force evaluations a
+//! step, three more where a step is interpolated.
 //!
-//! Source: E. Hairer, S. P. Norsett, G. Wanner, "Solving Ordinary Differential Equations I", 2nd ed.
-//! (Springer, 1993), section II.5 and the appendix; the authors' `DOP853` gives them to 30 digits. Rows
-//! name only what is not zero, as (stage, weight). `tests` checks the order conditions that a mistyped digit
-//! would break.
+//! Source: E. Hairer, S. P. Norsett, G. Wanner, "Solving Ordinary Differential Equations I", 2nd
+//! ed. (Springer, 1993), section II.5 and the appendix; the authors' `DOP853` gives them to 30
+//! digits. Rows name only what is not zero, as (stage, weight). `tests` checks the order conditions
+//! that a mistyped digit would break.
 
 #![allow(clippy::unreadable_literal, reason = "digits as published")]
 
@@ -66,7 +67,8 @@ static DENSE: [Row; 4] = [
     &[(0, -25.69393346270375), (5, -154.18974869023643), (6, -231.5293791760455), (7, 357.6391179106141), (8, 93.40532418362432), (9, -37.45832313645163), (10, 104.0996495089623), (11, 29.8402934266605), (12, -43.53345659001114), (13, 96.32455395918828), (14, -39.17726167561544), (15, -149.72683625798564)],
 ];
 
-/// Abscissae of the stages, fractions of a step (1); the equations have no explicit time, so only the tests use them.
+/// Abscissae of the stages, fractions of a step (1); the equations have no explicit time, so only
+/// the tests use them.
 #[cfg(test)]
 #[rustfmt::skip]
 const ABSCISSAE: [f64; DENSE_STAGES] = [0.0, 0.05260015195876773, 0.0789002279381516, 0.1183503419072274, 0.2816496580927726, 0.3333333333333333, 0.25, 0.3076923076923077, 0.6512820512820513, 0.6, 0.8571428571428571, 1.0, 1.0, 0.1, 0.2, 0.7777777777777778];
@@ -75,8 +77,8 @@ const ABSCISSAE: [f64; DENSE_STAGES] = [0.0, 0.05260015195876773, 0.078900227938
 mod tests {
     use super::*;
 
-    /// Row sums are the abscissae, and the solution integrates polynomials up to degree 7 exactly: the quadrature
-    /// conditions `sum b c^k = 1/(k+1)`.
+    /// Row sums are the abscissae, and the solution integrates polynomials up to degree 7 exactly:
+    /// the quadrature conditions `sum b c^k = 1/(k+1)`.
     #[test]
     fn coefficients_meet_their_conditions() {
         for stage in 1..DENSE_STAGES {

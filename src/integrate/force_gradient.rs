@@ -1,12 +1,15 @@
-//! A splitting of order 4 with force gradients: three force evaluations a step, two of them with the gradient of the accelerations along
-//! themselves, which costs about as much again.
+//! A splitting of order 4 with force gradients: three force evaluations a step, two of them with
+//! the gradient of the accelerations along themselves, which costs about as much again.
 //!
-//! The velocity form of Omelyan, Mryglod and Folk with three drifts, gradients in the inner kicks alone. Two conditions of order 4 fix the kicks
-//! and the gradients' weight. The first drift is chosen for stability: with others a linear oscillator grows where a step is about half an
-//! oscillation; with this one both roots of `trace + 2` coincide, at 3.155 rad, and steps are stable up to 7.70 rad.
-//! Source: I. P. Omelyan, I. M. Mryglod, R. Folk, Phys. Rev. E 66, 026701 (2002).
+//! The velocity form of Omelyan, Mryglod and Folk with three drifts, gradients in the inner kicks
+//! alone. Two conditions of order 4 fix the kicks and the gradients' weight. The first drift is
+//! chosen for stability: with others a linear oscillator grows where a step is about half an
+//! oscillation; with this one both roots of `trace + 2` coincide, at 3.155 rad, and steps are
+//! stable up to 7.70 rad. Source: I. P. Omelyan, I. M. Mryglod, R. Folk, Phys. Rev. E 66, 026701
+//! (2002).
 //!
-//! The first step is taken in three parts: a striker's contact begins at zero overlap, where its force has no second derivative.
+//! The first step is taken in three parts: a striker's contact begins at zero overlap, where its
+//! force has no second derivative.
 
 use super::splitting::Splitting;
 

@@ -1,8 +1,8 @@
 //! Interpolation of a step from what is known at its two ends: any method's dense output.
 //!
-//! With position, velocity and acceleration at both ends a quintic, with their rates in addition a septic. Errors go as the
-//! step to the power 6 and 8, with the small constants `1/(6! 2^6)` and `1/(8! 2^8)` at mid-step.
-//! Source: C. Hermite, J. reine angew. Math. 84, 70 (1878).
+//! With position, velocity and acceleration at both ends a quintic, with their rates in addition a
+//! septic. Errors go as the step to the power 6 and 8, with the small constants `1/(6! 2^6)` and
+//! `1/(8! 2^8)` at mid-step. Source: C. Hermite, J. reine angew. Math. 84, 70 (1878).
 
 use super::interpolant::{COEFFICIENTS, Interpolant};
 use super::{State, System};
@@ -18,7 +18,8 @@ pub struct End {
     pub acceleration: f64,
 }
 
-/// A step between two states, with the accelerations there (m/s²) and, where they are known, their rates.
+/// A step between two states, with the accelerations there (m/s²) and, where they are known, their
+/// rates.
 pub struct Between<'a> {
     /// State and accelerations at the start.
     pub from: (&'a State, &'a [f64]),
@@ -45,7 +46,8 @@ impl Between<'_> {
     }
 }
 
-/// Has `system` write the jerks at both ends of a step; where it does not know them they are given up.
+/// Has `system` write the jerks at both ends of a step; where it does not know them they are given
+/// up.
 pub fn find_jerks(system: &mut dyn System, ends: [&State; 2], jerks: &mut Option<[Vec<f64>; 2]>) {
     let Some(room) = jerks else { return };
     if !ends.into_iter().zip(room).all(|(state, jerk)| system.jerks(state, jerk)) {
@@ -87,7 +89,8 @@ pub fn septic_coefficients(
     let h = length;
     let jerk = h * h * h * jerks.0;
     let (p, q, r) = rises(from, to, h);
-    // What the cubic Taylor polynomial of the start leaves over at the end, derivative by derivative.
+    // What the cubic Taylor polynomial of the start leaves over at the end, derivative by
+    // derivative.
     let (p, q, r) = (p - jerk / 6.0, q - jerk / 2.0, r - jerk);
     let rest = h * h * h * jerks.1 - jerk;
     [
@@ -102,12 +105,13 @@ pub fn septic_coefficients(
     ]
 }
 
-/// Weights of position, velocity, acceleration and jerk at the start and at the end in the septic of a step of `length` (s), at the fraction
-/// `theta` of the step (1, s, s², s³).
+/// Weights of position, velocity, acceleration and jerk at the start and at the end in the septic
+/// of a step of `length` (s), at the fraction `theta` of the step (1, s, s², s³).
 pub fn septic_weights(theta: f64, length: f64) -> [[f64; 4]; 2] {
     let (t, h) = (theta, length);
     let fourth = t * t * t * t;
-    // What the end's values are weighed by, less what the Taylor polynomial of the start makes of them.
+    // What the end's values are weighed by, less what the Taylor polynomial of the start makes of
+    // them.
     let p = fourth * (35.0 + t * (-84.0 + t * (70.0 - 20.0 * t)));
     let q = fourth * (-15.0 + t * (39.0 + t * (-34.0 + 10.0 * t)));
     let r = fourth * (2.5 + t * (-7.0 + t * (6.5 - 2.0 * t)));
@@ -121,8 +125,8 @@ pub fn septic_weights(theta: f64, length: f64) -> [[f64; 4]; 2] {
     [from, [p, h * q, h * h * r, h * h * h * s]]
 }
 
-/// What the quadratic Taylor polynomial of the start leaves over at the end: position, velocity, acceleration, each times
-/// its power of the step (m).
+/// What the quadratic Taylor polynomial of the start leaves over at the end: position, velocity,
+/// acceleration, each times its power of the step (m).
 fn rises(from: End, to: End, h: f64) -> (f64, f64, f64) {
     let (v0, a0) = (h * from.velocity, h * h * from.acceleration);
     let p = to.position - from.position - v0 - 0.5 * a0;

@@ -17,7 +17,8 @@ impl Tridiagonal {
         Self { diagonal: vec![0.0; n], off_diagonal: vec![0.0; n.saturating_sub(1)] }
     }
 
-    /// Replaces the matrix by its factors `L D L^T`. Stable without pivoting: chains that repel make it positive definite.
+    /// Replaces the matrix by its factors `L D L^T`. Stable without pivoting: chains that repel
+    /// make it positive definite.
     pub fn factorise(&mut self) {
         for i in 1..self.diagonal.len() {
             let beside = self.off_diagonal[i - 1];
@@ -27,8 +28,8 @@ impl Tridiagonal {
         }
     }
 
-    /// Replaces `values` by the solution for them as right-hand side. Source: L. H. Thomas, Watson Sci. Comput. Lab. report
-    /// (1949).
+    /// Replaces `values` by the solution for them as right-hand side. Source: L. H. Thomas, Watson
+    /// Sci. Comput. Lab. report (1949).
     pub fn solve(&self, values: &mut [f64]) {
         let n = self.diagonal.len();
         for i in 1..n {
@@ -43,8 +44,8 @@ impl Tridiagonal {
     }
 }
 
-/// A system whose tangent is a chain's: `M a = F(x, v)`, and behind the bodies accounts whose rates follow from the bodies'
-/// motion alone.
+/// A system whose tangent is a chain's: `M a = F(x, v)`, and behind the bodies accounts whose rates
+/// follow from the bodies' motion alone.
 pub trait Linearised {
     /// Number of bodies; accounts stand behind them.
     fn bodies(&self) -> usize;
@@ -52,7 +53,8 @@ pub trait Linearised {
     /// Takes the tangent at `state`.
     fn linearise(&mut self, state: &State);
 
-    /// Writes `shift^2 M + shift C + K`, `-C` and `-K` the tangents of the forces against velocities and positions.
+    /// Writes `shift^2 M + shift C + K`, `-C` and `-K` the tangents of the forces against
+    /// velocities and positions.
     fn assemble(&mut self, shift: f64, matrix: &mut Tridiagonal);
 
     /// Masses of the bodies (kg).
@@ -61,7 +63,8 @@ pub trait Linearised {
     /// Writes the forces `-K x` of small displacements `position` (m) (N).
     fn forces_of(&mut self, position: &[f64], out: &mut [f64]);
 
-    /// Writes the changes of the accounts' rates under small changes of positions (m) and velocities (m/s).
+    /// Writes the changes of the accounts' rates under small changes of positions (m) and
+    /// velocities (m/s).
     fn account_rates(&mut self, position: &[f64], velocity: &[f64], out: &mut [f64]);
 }
 

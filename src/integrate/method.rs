@@ -31,7 +31,8 @@ pub enum Method {
         /// The step (s).
         step: f64,
     },
-    /// The same in steps of two lengths, short while the stiffest contact is closed ([`super::two_step`]): order 4.
+    /// The same in steps of two lengths, short while the stiffest contact is closed
+    /// ([`super::two_step`]): order 4.
     TwoStepForceGradient {
         /// Error of what is read that steps are made for, relative to the system's scales (1).
         tolerance: f64,
@@ -56,7 +57,8 @@ pub enum Method {
         /// The step (s).
         step: f64,
     },
-    /// Hairer and Wanner's linearly implicit method of orders 4(3), for systems that know their tangent: losses may be stiff.
+    /// Hairer and Wanner's linearly implicit method of orders 4(3), for systems that know their
+    /// tangent: losses may be stiff.
     Rodas {
         /// Tolerated error of a step, relative to the system's scales (1).
         tolerance: f64,
@@ -119,8 +121,8 @@ impl Method {
         }
     }
 
-    /// The fixed step (s), and how far it may reach: the longest stable step times the highest angular frequency (1). None for
-    /// methods that choose their own steps.
+    /// The fixed step (s), and how far it may reach: the longest stable step times the highest
+    /// angular frequency (1). None for methods that choose their own steps.
     pub fn fixed_step(&self) -> Option<(f64, f64)> {
         match self.kind() {
             Kind::Splitting(method, step) => Some((step, method.stability)),
@@ -136,14 +138,14 @@ impl Method {
         !matches!(self.kind(), Kind::Splitting(..) | Kind::TwoStep(..) | Kind::Nystrom(_))
     }
 
-    /// Whether the method is one for systems with or without losses: some need to be without, and one needs the tangent that
-    /// only those with losses tell.
+    /// Whether the method is one for systems with or without losses: some need to be without, and
+    /// one needs the tangent that only those with losses tell.
     pub fn suits(&self, lossy: bool) -> bool {
         if lossy { self.allows_losses() } else { !matches!(self.kind(), Kind::Rodas(_)) }
     }
 
-    /// Longest stable step times the fastest decay of a lossy system; none for methods that no decay limits, and for
-    /// those that are not made for losses (1).
+    /// Longest stable step times the fastest decay of a lossy system; none for methods that no
+    /// decay limits, and for those that are not made for losses (1).
     pub fn decay_reach(&self) -> Option<f64> {
         match self.kind() {
             Kind::RungeKutta(method, _) => Some(method.decay_reach),
@@ -163,7 +165,8 @@ impl Method {
         }
     }
 
-    /// The method as the vector path takes it; none for methods whose forces may depend on velocities.
+    /// The method as the vector path takes it; none for methods whose forces may depend on
+    /// velocities.
     pub fn scheme(&self) -> Option<Scheme> {
         match self.kind() {
             Kind::Nystrom(tolerance) => Some(Scheme::Nystrom(tolerance)),

@@ -1,8 +1,8 @@
 //! Time integration of `x'' = a(x, v)`: one file a method, one step at a time.
 //!
-//! `chain` supplies a [`System`]; `experiment` drives an [`Integrator`] and reads each step through its
-//! [`Interpolant`], so that nothing downstream depends on where the integrator put its steps. The
-//! equations are autonomous: no method sees the time but for bookkeeping.
+//! `chain` supplies a [`System`]; `experiment` drives an [`Integrator`] and reads each step through
+//! its [`Interpolant`], so that nothing downstream depends on where the integrator put its steps.
+//! The equations are autonomous: no method sees the time but for bookkeeping.
 
 pub mod control;
 pub mod dormand_el_mikkawy_prince_86;
@@ -46,24 +46,26 @@ pub trait System {
     /// Writes the accelerations (m/s²) for the given positions (m) and velocities (m/s).
     fn accelerations(&mut self, position: &[f64], velocity: &[f64], acceleration: &mut [f64]);
 
-    /// Writes the rates of the accelerations (m/s³) and returns true, or false where they are not known.
+    /// Writes the rates of the accelerations (m/s³) and returns true, or false where they are not
+    /// known.
     fn jerks(&mut self, state: &State, jerk: &mut [f64]) -> bool {
         let _ = (state, jerk);
         false
     }
 
-    /// The distance (m) and speed (m/s) to which a relative error in this state refers: what the user reads is
-    /// a contact's overlap, not the drift of the whole chain.
+    /// The distance (m) and speed (m/s) to which a relative error in this state refers: what the
+    /// user reads is a contact's overlap, not the drift of the whole chain.
     fn scales(&self, position: &[f64], velocity: &[f64]) -> Scales;
 
-    /// Whether the law has a kink between two states: a step across it is of low order, and an estimate of its error may vanish by accident.
+    /// Whether the law has a kink between two states: a step across it is of low order, and an
+    /// estimate of its error may vanish by accident.
     fn has_kink_between(&self, from: &State, to: &State) -> bool {
         let _ = (from, to);
         false
     }
 
-    /// What decides on the length of steps of two lengths from `state` on; by default, speeds change distances in a
-    /// radian.
+    /// What decides on the length of steps of two lengths from `state` on; by default, speeds
+    /// change distances in a radian.
     fn pacing(&self, state: &State) -> Pacing {
         let Scales { position, velocity } = self.scales(&state.position, &state.velocity);
         Pacing { frequency: velocity / position, stiff: None }
@@ -171,7 +173,8 @@ pub trait Integrator {
     /// [`IntegrateError`] when the state stops being finite or no step is short enough.
     fn step(&mut self, end: f64) -> Result<(), IntegrateError>;
 
-    /// Takes steps up to `end` (s), all but the last unseen: for those who want nothing but where it leads.
+    /// Takes steps up to `end` (s), all but the last unseen: for those who want nothing but where
+    /// it leads.
     ///
     /// # Errors
     /// Those of [`Integrator::step`].
@@ -182,11 +185,12 @@ pub trait Integrator {
         Ok(())
     }
 
-    /// Prepares the interpolation of the last step; may evaluate forces. Called at most once a step, and
-    /// only for steps that somebody reads.
+    /// Prepares the interpolation of the last step; may evaluate forces. Called at most once a
+    /// step, and only for steps that somebody reads.
     fn prepare_interpolation(&mut self);
 
-    /// Position and velocity of `body` over the last step; after [`Integrator::prepare_interpolation`].
+    /// Position and velocity of `body` over the last step; after
+    /// [`Integrator::prepare_interpolation`].
     fn interpolant(&self, body: usize) -> Interpolant;
 
     /// Start and length of the last step (s).
@@ -200,7 +204,8 @@ pub trait Integrator {
         false
     }
 
-    /// Whether the system's switch at `place` was on over the last step; places without a switch always are.
+    /// Whether the system's switch at `place` was on over the last step; places without a switch
+    /// always are.
     fn was_on(&self, place: usize) -> bool {
         let _ = place;
         true

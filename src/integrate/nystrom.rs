@@ -1,9 +1,10 @@
-//! Embedded Runge-Kutta-Nystrom pairs with error control: `x'' = a(x)` integrated as what it is, at two thirds of the
-//! evaluations of a first-order method of the same order.
+//! Embedded Runge-Kutta-Nystrom pairs with error control: `x'' = a(x)` integrated as what it is, at
+//! two thirds of the evaluations of a first-order method of the same order.
 //!
-//! Stages stand at `x + c h v + h^2 sum a f`; the step ends at `x + h v + h^2 sum b f`, `v + h sum b' f`. The error estimate is the
-//! difference to the embedded solution, in position and in velocity. Contacts that open or close within a step break the
-//! estimate's smoothness, and the controller shortens the step. Interpolation is septic Hermite.
+//! Stages stand at `x + c h v + h^2 sum a f`; the step ends at `x + h v + h^2 sum b f`,
+//! `v + h sum b' f`. The error estimate is the difference to the embedded solution, in position and
+//! in velocity. Contacts that open or close within a step break the estimate's smoothness, and the
+//! controller shortens the step. Interpolation is septic Hermite.
 
 use super::control::{StepControl, add_compensated, first_step_of, largest, relative_error};
 use super::hermite::{Between, find_jerks};
@@ -56,7 +57,8 @@ pub struct NystromIntegrator<'a> {
 }
 
 impl<'a> NystromIntegrator<'a> {
-    /// Starts `pair` at `state`, tolerating errors of `tolerance` a step relative to the system's scales (1).
+    /// Starts `pair` at `state`, tolerating errors of `tolerance` a step relative to the system's
+    /// scales (1).
     pub fn new(
         pair: &'static NystromPair,
         mut system: Box<dyn System + 'a>,
@@ -96,7 +98,8 @@ impl<'a> NystromIntegrator<'a> {
         for (value, (x, v)) in self.scratch.iter_mut().zip(start) {
             *value = x + h * (node * v + h * *value);
         }
-        // These pairs are for forces of position alone; the velocity they are given is the step's first.
+        // These pairs are for forces of position alone; the velocity they are given is the step's
+        // first.
         self.system.accelerations(&self.scratch, &self.previous.velocity, acceleration);
         self.work.force_evaluations += 1;
     }

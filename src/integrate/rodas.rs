@@ -1,10 +1,11 @@
-//! Hairer and Wanner's Rosenbrock method RODAS of orders 4(3) for losses that are stiff: L-stable, so fast decays do not limit
-//! its steps.
+//! Hairer and Wanner's Rosenbrock method RODAS of orders 4(3) for losses that are stiff: L-stable,
+//! so fast decays do not limit its steps.
 //!
-//! Six stages, each one force evaluation and one tridiagonal solution with the step's one factorisation; no iteration. A stage solves
-//! `(1/(h gamma) - J) u = f(y + sum a u) + sum c u / h`, `J` the exact tangent; for `x' = v` the positions drop out and what is left has one row a
-//! body. Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II (1996), IV.7 and IV.10. Interpolation is
-//! quintic Hermite.
+//! Six stages, each one force evaluation and one tridiagonal solution with the step's one
+//! factorisation; no iteration. A stage solves
+//! `(1/(h gamma) - J) u = f(y + sum a u) + sum c u / h`, `J` the exact tangent; for `x' = v` the
+//! positions drop out and what is left has one row a body. Source: E. Hairer, G. Wanner, Solving
+//! Ordinary Differential Equations II (1996), IV.7 and IV.10. Interpolation is quintic Hermite.
 
 #![allow(clippy::unreadable_literal, reason = "digits as published")]
 
@@ -19,7 +20,8 @@ use super::{
 /// Stages of a step.
 pub const STAGES: usize = 6;
 const GAMMA: f64 = 0.25;
-/// Weights of earlier stages in a stage's argument. The last two arguments stand at the embedded solutions.
+/// Weights of earlier stages in a stage's argument. The last two arguments stand at the embedded
+/// solutions.
 const ARGUMENTS: [&[f64]; STAGES] = [
     &[],
     &[1.544],
@@ -45,8 +47,10 @@ const COUPLINGS: [&[f64]; STAGES] = [
 ];
 /// Order of the error estimate.
 const ERROR_ORDER: u8 = 3;
-/// First step as a share of the usual one, which is 1e-3 of overlap over speed: Kuwabara and Kono's force begins as the square root of time, what a
-/// step misses of that goes as its length to the power 1.5, and `(1e-8)^1.5 = 1e-12` is below any accuracy; beside a dashpot the first peak may be that early (1).
+/// First step as a share of the usual one, which is 1e-3 of overlap over speed: Kuwabara and Kono's
+/// force begins as the square root of time, what a step misses of that goes as its length to the
+/// power 1.5, and `(1e-8)^1.5 = 1e-12` is below any accuracy; beside a dashpot the first peak may
+/// be that early (1).
 const FIRST_STEP_SHARE: f64 = 1e-5;
 
 /// The method at work on a system.
@@ -76,7 +80,8 @@ impl<'a> Rodas<'a> {
     /// Order of convergence on smooth problems.
     pub const ORDER: u8 = 4;
 
-    /// Starts at `state`, tolerating errors of `tolerance` a step relative to the system's scales (1).
+    /// Starts at `state`, tolerating errors of `tolerance` a step relative to the system's scales
+    /// (1).
     pub fn new(mut system: Box<dyn System + 'a>, state: State, tolerance: f64) -> Self {
         let n = system.len();
         let bodies = system.linearised().map_or(0, |system| system.bodies());
@@ -171,7 +176,8 @@ impl<'a> Rodas<'a> {
         }
     }
 
-    /// Error of the step just tried as a multiple of the tolerance (1): the last stage's increments.
+    /// Error of the step just tried as a multiple of the tolerance (1): the last stage's
+    /// increments.
     fn error(&self) -> f64 {
         let [position, velocity] = &self.stages[STAGES - 1];
         relative_error([largest(position), largest(velocity)], self.scales) / self.tolerance

@@ -1,10 +1,12 @@
 //! Explicit Runge-Kutta methods for `x' = v`, `v' = a(x, v)`: forces may depend on velocity.
 //!
-//! A method is its stages; the last one is at the new state and opens the next step. With an error estimate steps are
-//! chosen, without one they are fixed. Interpolation is quintic Hermite, or of order 7 by further stages where a method has them.
-//! Where a contact opens or closes within a step (the force is only C^1 there) the two estimates of a pair of orders 8(5,3) are of the same low order, and the larger
-//! one counts: the control shortens the step until the kink is harmless.
-//! Source: E. Hairer, S. P. Norsett, G. Wanner, "Solving Ordinary Differential Equations I" (Springer, 1993), II.5, II.6.
+//! A method is its stages; the last one is at the new state and opens the next step. With an error
+//! estimate steps are chosen, without one they are fixed. Interpolation is quintic Hermite, or of
+//! order 7 by further stages where a method has them. Where a contact opens or closes within a step
+//! (the force is only C^1 there) the two estimates of a pair of orders 8(5,3) are of the same low
+//! order, and the larger one counts: the control shortens the step until the kink is harmless.
+//! Source: E. Hairer, S. P. Norsett, G. Wanner, "Solving Ordinary Differential Equations I"
+//! (Springer, 1993), II.5, II.6.
 
 use super::control::{StepControl, add_compensated, first_step_of, largest, relative_error};
 use super::hermite::Between;
@@ -16,9 +18,11 @@ use super::{
     IntegrateError, Integrator, Interpolant, Scales, State, System, Work, first_not_finite,
 };
 
-/// Across a kink both embedded solutions are of the same low order, and either's error may vanish for some place of the kink within the step, but not both at
-/// once: with this share of the third order's, errors of first peaks stayed below 9 times the error tolerated in a step, where the blend made for smooth steps let 1
-/// run in 100 pass that erred by more than 32 times as much, up to 540 (150 tolerances up to 6e-5 of 20 scenes with losses that are not stiff) (1).
+/// Across a kink both embedded solutions are of the same low order, and either's error may vanish
+/// for some place of the kink within the step, but not both at once: with this share of the third
+/// order's, errors of first peaks stayed below 9 times the error tolerated in a step, where the
+/// blend made for smooth steps let 1 run in 100 pass that erred by more than 32 times as much, up
+/// to 540 (150 tolerances up to 6e-5 of 20 scenes with losses that are not stiff) (1).
 const THIRD_ORDER_SHARE_AT_KINKS: f64 = 0.1;
 
 /// How a method estimates the error of a step.
@@ -94,8 +98,8 @@ pub struct RungeKuttaIntegrator<'a> {
 }
 
 impl<'a> RungeKuttaIntegrator<'a> {
-    /// Starts `method` at `state`; `setting` is its step (s), or the tolerated error of a step relative to the system's
-    /// scales (1) if the method estimates its error.
+    /// Starts `method` at `state`; `setting` is its step (s), or the tolerated error of a step
+    /// relative to the system's scales (1) if the method estimates its error.
     pub fn new(
         method: &'static RungeKutta,
         system: Box<dyn System + 'a>,

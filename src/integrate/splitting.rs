@@ -1,9 +1,11 @@
 //! Symplectic methods with a fixed step: kicks and drifts in turn.
 //!
-//! A method is the list of its kick fractions `b` and drift fractions `a`: `v += b h a(x)`, `x += a h v`, and so on, kick first and
-//! last. Kicks may also go by how the forces change where they point, `v += g h^3 (da/dx) a`. The last kick of a step and the first of the next share one force evaluation. All are explicit, time-reversible,
-//! and keep the energy error bounded as long as every contact stays closed; where a contact opens or closes the force
-//! has no second derivative and all of them fall to about order 2.5.
+//! A method is the list of its kick fractions `b` and drift fractions `a`: `v += b h a(x)`,
+//! `x += a h v`, and so on, kick first and last. Kicks may also go by how the forces change where
+//! they point, `v += g h^3 (da/dx) a`. The last kick of a step and the first of the next share one
+//! force evaluation. All are explicit, time-reversible, and keep the energy error bounded as long
+//! as every contact stays closed; where a contact opens or closes the force has no second
+//! derivative and all of them fall to about order 2.5.
 
 use super::hermite::{Between, find_jerks};
 use super::two_step::{ContactMotion, NO_CONTACT, StiffContact, TwoStep};
@@ -25,15 +27,18 @@ pub struct Splitting {
     pub kicks: &'static [f64],
     /// Drift fractions (1).
     pub drifts: &'static [f64],
-    /// What accelerations' gradients along themselves weigh in each kick, in units of the step cubed; empty without them (1).
+    /// What accelerations' gradients along themselves weigh in each kick, in units of the step
+    /// cubed; empty without them (1).
     pub gradients: &'static [f64],
-    /// Where the parts of a run's first step end, in steps, the last at 1; empty where it is taken whole (1).
+    /// Where the parts of a run's first step end, in steps, the last at 1; empty where it is taken
+    /// whole (1).
     pub first_step: &'static [f64],
     /// Longest stable step times the highest angular frequency of a linear chain (1).
     pub stability: f64,
 }
 
-/// Times at which fixed steps end: `origin + count * step`, never a running sum; an interval's end starts a new count.
+/// Times at which fixed steps end: `origin + count * step`, never a running sum; an interval's end
+/// starts a new count.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clock {
     step: f64,
@@ -104,8 +109,8 @@ impl Clock {
         self.origin + number as f64 * self.step
     }
 
-    /// Whether a step that ends at `time` (s) leaves some of the interval; what is nothing but the rounding of the times is taken along,
-    /// not stepped over on its own.
+    /// Whether a step that ends at `time` (s) leaves some of the interval; what is nothing but the
+    /// rounding of the times is taken along, not stepped over on its own.
     fn is_before(&self, time: f64, end: f64) -> bool {
         time + REMAINDER * self.step < end
     }
@@ -119,10 +124,11 @@ pub struct SplittingIntegrator<'a> {
     previous: State,
     acceleration: Vec<f64>,
     previous_acceleration: Vec<f64>,
-    /// Rates of the accelerations at both ends, where the system knows them and the order deserves them.
+    /// Rates of the accelerations at both ends, where the system knows them and the order deserves
+    /// them.
     jerks: Option<[Vec<f64>; 2]>,
-    /// Gradients of the accelerations along themselves (m/s⁴), for methods that have a use for them, and the state they are asked for
-    /// with: accelerations in the velocities' place.
+    /// Gradients of the accelerations along themselves (m/s⁴), for methods that have a use for
+    /// them, and the state they are asked for with: accelerations in the velocities' place.
     gradient: Option<(Vec<f64>, State)>,
     timing: Timing,
     work: Work,
@@ -288,7 +294,8 @@ mod tests {
     use crate::integrate::force_gradient::FORCE_GRADIENT;
     use crate::integrate::velocity_verlet::VELOCITY_VERLET;
 
-    /// Half the trace of a step of `angle` (rad) of a linear oscillator: motions stay bounded where it is between -1 and 1.
+    /// Half the trace of a step of `angle` (rad) of a linear oscillator: motions stay bounded where
+    /// it is between -1 and 1.
     fn half_trace(method: &Splitting, angle: f64) -> f64 {
         let square = angle * angle;
         let through = |[mut x, mut v]: [f64; 2]| {
@@ -302,7 +309,8 @@ mod tests {
         0.5 * (through([1.0, 0.0])[0] + through([0.0, 1.0])[1])
     }
 
-    /// Up to the step that each method says, also where one turns the oscillator round, and not right beyond.
+    /// Up to the step that each method says, also where one turns the oscillator round, and not
+    /// right beyond.
     #[test]
     fn steps_are_stable_as_far_as_is_said() {
         for method in [&VELOCITY_VERLET, &FORCE_GRADIENT] {
@@ -318,7 +326,8 @@ mod tests {
         }
     }
 
-    /// As many as there are one by one, also where the interval is a whole number of steps, or all but one.
+    /// As many as there are one by one, also where the interval is a whole number of steps, or all
+    /// but one.
     #[test]
     fn steps_that_fit_are_those_that_end_before() {
         let step = 0.1;

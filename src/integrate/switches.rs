@@ -1,4 +1,5 @@
-//! What a system with switches tells, and what a method needs so that [`super::switching`] can cut its steps.
+//! What a system with switches tells, and what a method needs so that [`super::switching`] can cut
+//! its steps.
 
 use super::{Integrator, State, System};
 
@@ -42,8 +43,8 @@ pub trait Switching {
     /// Whether `switch` stands wrong and will not be right by itself.
     fn is_wrong(&self, switch: usize, motion: Motion) -> bool;
 
-    /// By how much the acceleration of a body is wrong with `switch` wrong: when its margin's root is passed at the rate `closing` (m/s),
-    /// or with the motion found `beyond` it (m/s²).
+    /// By how much the acceleration of a body is wrong with `switch` wrong: when its margin's root
+    /// is passed at the rate `closing` (m/s), or with the motion found `beyond` it (m/s²).
     fn error(&self, switch: usize, closing: f64, beyond: Motion) -> f64;
 }
 

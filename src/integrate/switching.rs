@@ -1,10 +1,13 @@
-//! Systems whose law changes by switches: contacts whose forces jump where they open or close, or have a kink where they would pull.
+//! Systems whose law changes by switches: contacts whose forces jump where they open or close, or
+//! have a kink where they would pull.
 //!
-//! Within a step all switches stand still, so the method sees a smooth law and keeps its order; where one should have changed within
-//! the step, the step is cut at the root of its margin on the step's own interpolant, and the method starts anew there. A step over
-//! a jump would be of order 1, one over a kink of order 2. Changes that are lost in the tolerance change at the end of a step without a search, or a
-//! rattling chain would stop at tens of thousands of them. Source: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary
-//! Differential Equations I (1993), II.6, "Event location".
+//! Within a step all switches stand still, so the method sees a smooth law and keeps its order;
+//! where one should have changed within the step, the step is cut at the root of its margin on the
+//! step's own interpolant, and the method starts anew there. A step over a jump would be of order
+//! 1, one over a kink of order 2. Changes that are lost in the tolerance change at the end of a
+//! step without a search, or a rattling chain would stop at tens of thousands of them. Source: E.
+//! Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I (1993), II.6, "Event
+//! location".
 
 use super::switches::{Motion, Restart, Sides};
 use super::{IntegrateError, Integrator, Interpolant, State, Work};
@@ -15,7 +18,8 @@ const LOOKS: u8 = 2;
 const HALVINGS: usize = 60;
 /// A step is not cut to less than this share (1).
 const SHORTEST: f64 = 1e-9;
-/// A margin that is further from zero than this share of how far it goes within a step, by the step's cubic, is not looked at more closely (1).
+/// A margin that is further from zero than this share of how far it goes within a step, by the
+/// step's cubic, is not looked at more closely (1).
 const CLEAR: f64 = 0.5;
 /// Jumps below this share of what the error control tolerates are not searched for (1).
 const NEGLIGIBLE: f64 = 0.1;
@@ -109,7 +113,8 @@ impl<I: Restart> Switched<I> {
         }
     }
 
-    /// The first place in the method's last step where a switch should have changed: share of the step, and the switch.
+    /// The first place in the method's last step where a switch should have changed: share of the
+    /// step, and the switch.
     fn event(&mut self) -> Option<(f64, usize)> {
         self.look();
         let (_, length) = self.inner.last_step();
@@ -152,8 +157,9 @@ impl<I: Restart> Switched<I> {
     }
 }
 
-/// Whether a switch that is `on` or not stays so over a step of `length` (s) between two `ends`, with so much to spare that its interpolants, which
-/// cost more than all else, need not be asked: most contacts of a long chain are far from opening, or from closing.
+/// Whether a switch that is `on` or not stays so over a step of `length` (s) between two `ends`,
+/// with so much to spare that its interpolants, which cost more than all else, need not be asked:
+/// most contacts of a long chain are far from opening, or from closing.
 fn stays_clear(ends: [Motion; 2], length: f64, margin: impl Fn(Motion) -> f64, on: bool) -> bool {
     let [from, to] = ends;
     let rise = to.difference - from.difference;
@@ -280,7 +286,8 @@ mod tests {
     use crate::integrate::switches::{Motion, Restart, Sides, Switching};
     use crate::integrate::{IntegrateError, Integrator, Interpolant, Scales, State, System, Work};
 
-    /// A body that moves at 1 m/s; its switch should be on up to `at` (m), and beyond it is off by as many m/s² as the body is by m.
+    /// A body that moves at 1 m/s; its switch should be on up to `at` (m), and beyond it is off by
+    /// as many m/s² as the body is by m.
     struct Coasting {
         at: f64,
         is_on: bool,
@@ -404,7 +411,8 @@ mod tests {
         }
     }
 
-    /// Whatever is negligible where it is first seen, at mid-step, counts for what it has become at the end.
+    /// Whatever is negligible where it is first seen, at mid-step, counts for what it has become at
+    /// the end.
     #[test]
     fn a_switch_just_before_mid_step_cuts_the_step() {
         for (at, tolerated, length) in [
@@ -422,7 +430,8 @@ mod tests {
         }
     }
 
-    /// Where a switch changes at the last bit of a step the next one starts anew, as after any other.
+    /// Where a switch changes at the last bit of a step the next one starts anew, as after any
+    /// other.
     #[test]
     fn a_switch_at_the_very_end_begins_anew() {
         let last = 1.0 - 0.5 * f64::EPSILON;

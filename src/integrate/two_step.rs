@@ -1,28 +1,32 @@
-//! Steps of two lengths: long ones by the highest frequency of a system, short ones as long as a contact is closed that is stiffer than
-//! all others, or about to close.
+//! Steps of two lengths: long ones by the highest frequency of a system, short ones as long as a
+//! contact is closed that is stiffer than all others, or about to close.
 //!
-//! With `w` the highest angular frequency of all but that contact and `w1` its own, steps last `L/w`, and with the contact closed
-//! `S/w1`, shorter by `(tolerance/T)^(1/4)` below `T`, which a method of order 4 wants. If it closes within a long step they last until then, if it opens
-//! within a short one or has closed within it as long as that: steps end close to the places where its force has no second derivative.
-//! What decides is the state where a step begins.
+//! With `w` the highest angular frequency of all but that contact and `w1` its own, steps last
+//! `L/w`, and with the contact closed `S/w1`, shorter by `(tolerance/T)^(1/4)` below `T`, which a
+//! method of order 4 wants. If it closes within a long step they last until then, if it opens
+//! within a short one or has closed within it as long as that: steps end close to the places where
+//! its force has no second derivative. What decides is the state where a step begins.
 
 use super::splitting::REMAINDER;
 
 /// Name of the splitting with force gradients in such steps, as written in options and recordings.
 pub const NAME: &str = "two-step-force-gradient";
 
-/// `T`: over the paper's eight scenes first peaks and arrivals are off by less than that. Tolerances beyond it make the same steps (1).
+/// `T`: over the paper's eight scenes first peaks and arrivals are off by less than that.
+/// Tolerances beyond it make the same steps (1).
 pub const LOOSEST_TOLERANCE: f64 = 1e-3;
 /// `L`: a long step in terms of the highest frequency (rad).
 pub const LONG: f64 = 2.7;
 /// `S` (rad).
 const SHORT: f64 = 1.2;
-/// The least step where the stiff contact closes or opens, as a share of those while it is closed (1).
+/// The least step where the stiff contact closes or opens, as a share of those while it is closed
+/// (1).
 const LEAST: f64 = 0.6;
 /// The first step as a share of a long one: other contacts may begin at zero overlap, too (1).
 const FIRST: f64 = 0.3;
-/// A step to where the stiff contact closes is taken in two where it is longer than this share of a long one: until then its bodies are pushed as
-/// nobody foresees, and one that ends beyond that place is off by far more (1).
+/// A step to where the stiff contact closes is taken in two where it is longer than this share of a
+/// long one: until then its bodies are pushed as nobody foresees, and one that ends beyond that
+/// place is off by far more (1).
 const SURE: f64 = 0.8;
 
 /// What of a system decides on the length of steps.
@@ -46,7 +50,8 @@ pub struct StiffContact {
 }
 
 impl StiffContact {
-    /// How it moves in a system with these positions (m), velocities (m/s) and accelerations (m/s²).
+    /// How it moves in a system with these positions (m), velocities (m/s) and accelerations
+    /// (m/s²).
     pub fn motion(&self, [position, velocity, acceleration]: [&[f64]; 3]) -> ContactMotion {
         let across = |values: &[f64]| {
             let [above, below] = self.bodies.map(|body| body.and_then(|body| values.get(body)));
@@ -92,7 +97,8 @@ pub struct TwoStep {
 }
 
 impl TwoStep {
-    /// The steps that `tolerance` (1) asks of a system, the first on a given `motion` of its stiff contact, or [`NO_CONTACT`].
+    /// The steps that `tolerance` (1) asks of a system, the first on a given `motion` of its stiff
+    /// contact, or [`NO_CONTACT`].
     pub fn new(pacing: &Pacing, tolerance: f64, motion: ContactMotion) -> Self {
         let share = (tolerance / LOOSEST_TOLERANCE).sqrt().sqrt().min(1.0);
         let long = share * LONG / pacing.frequency;
@@ -115,7 +121,8 @@ impl TwoStep {
         self.length = self.after(motion);
     }
 
-    /// The step from there on (s). It branches rather than selects: a step need not wait for what decides on its length.
+    /// The step from there on (s). It branches rather than selects: a step need not wait for what
+    /// decides on its length.
     #[inline]
     fn after(&self, motion: ContactMotion) -> f64 {
         let ContactMotion { overlap, closing, .. } = motion;

@@ -1,8 +1,10 @@
-//! Locks of sessions: at most one exclusive lock, and one shared lock that all HiSLIP sessions with the same key hold together. VXI-11
-//! links have the exclusive one alone.
+//! Locks of sessions: at most one exclusive lock, and one shared lock that all HiSLIP sessions with
+//! the same key hold together. VXI-11 links have the exclusive one alone.
 //!
-//! The exclusive lock is granted if no other session holds it, and the shared lock is free or held by the requesting session, too.
-//! The shared lock is granted if no other session holds the exclusive one, and the shared lock is free or has the same key. Source: IVI-6.1, section 5 (locking).
+//! The exclusive lock is granted if no other session holds it, and the shared lock is free or held
+//! by the requesting session, too. The shared lock is granted if no other session holds the
+//! exclusive one, and the shared lock is free or has the same key. Source: IVI-6.1, section 5
+//! (locking).
 
 use std::collections::{BTreeMap, BTreeSet};
 

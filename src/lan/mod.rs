@@ -1,5 +1,6 @@
-//! What the protocols of instruments on a network, HiSLIP and VXI-11, have in common, without I/O: the device behind their sessions, the locks
-//! that sessions of both hold against each other, and requests for service.
+//! What the protocols of instruments on a network, HiSLIP and VXI-11, have in common, without I/O:
+//! the device behind their sessions, the locks that sessions of both hold against each other, and
+//! requests for service.
 
 pub mod lock;
 
@@ -16,7 +17,8 @@ pub trait Device {
     fn open(&mut self, session: u16, connection: u64);
     /// A session has ended.
     fn close(&mut self, session: u16);
-    /// Takes bytes of a message, whose last they are if `end`; returns the reply, if there is one at once.
+    /// Takes bytes of a message, whose last they are if `end`; returns the reply, if there is one
+    /// at once.
     fn input(&mut self, session: u16, bytes: &[u8], end: bool) -> Vec<u8>;
     /// Whether a reply to an earlier message is still to come.
     fn owes_reply(&self, session: u16) -> bool;
@@ -66,7 +68,8 @@ impl ServiceRequest {
         new
     }
 
-    /// `byte` with the bit that tells whether service was asked for; reading it answers the request.
+    /// `byte` with the bit that tells whether service was asked for; reading it answers the
+    /// request.
     pub fn read(&mut self, byte: u8) -> u8 {
         let asked = std::mem::take(&mut self.asked);
         (byte & !SERVICE_REQUEST_BIT) | if asked { SERVICE_REQUEST_BIT } else { 0 }

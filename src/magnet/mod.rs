@@ -1,9 +1,11 @@
 //! Magnets that press the chain: the force on a ferromagnetic sphere over its distance.
 //!
-//! Stands beside `chain`: `scene` reads the files of `instruments/magnets`, `cli` answers questions about them. Distance is that
-//! of the sphere's centre from the plane of the magnet's face, along the axis, positive outside; a force is positive where the
-//! magnet attracts. `chain` lets a sphere that moves feel it. A constant force is what the paper's calculations use; a ring's force falls by 1.4 to 3.9 N a millimetre,
-//! nothing against the contacts' stiffness, but 3 to 8 % of 2.38 N over 50 um of travel.
+//! Stands beside `chain`: `scene` reads the files of `instruments/magnets`, `cli` answers questions
+//! about them. Distance is that of the sphere's centre from the plane of the magnet's face, along
+//! the axis, positive outside; a force is positive where the magnet attracts. `chain` lets a sphere
+//! that moves feel it. A constant force is what the paper's calculations use; a ring's force falls
+//! by 1.4 to 3.9 N a millimetre, nothing against the contacts' stiffness, but 3 to 8 % of 2.38 N
+//! over 50 um of travel.
 
 mod ring;
 mod table;
@@ -42,8 +44,8 @@ pub struct Magnet {
 }
 
 impl Magnet {
-    /// Distances over which the law holds or is of interest: from the middle of a ring to an outer diameter from its face; a
-    /// table's own; a constant force is shown over a millimetre (m).
+    /// Distances over which the law holds or is of interest: from the middle of a ring to an outer
+    /// diameter from its face; a table's own; a constant force is shown over a millimetre (m).
     pub fn span(&self) -> [f64; 2] {
         match &self.law {
             ForceLaw::Constant(_) => [0.0, 1e-3],
@@ -64,7 +66,8 @@ impl Magnet {
         }
     }
 
-    /// Change of the force with distance at `distance` (m) and `temperature` (K), none outside a table (N/m).
+    /// Change of the force with distance at `distance` (m) and `temperature` (K), none outside a
+    /// table (N/m).
     pub fn slope(&self, distance: f64, temperature: f64) -> Option<f64> {
         match &self.law {
             ForceLaw::Constant(_) => Some(0.0),
@@ -76,7 +79,8 @@ impl Magnet {
         }
     }
 
-    /// Temperature at which its numbers hold: that of a ring's remanence, room temperature of others (K).
+    /// Temperature at which its numbers hold: that of a ring's remanence, room temperature of
+    /// others (K).
     pub fn stated_temperature(&self) -> f64 {
         match &self.law {
             ForceLaw::Ring(ring, _) => ring.reference_temperature,
@@ -84,7 +88,8 @@ impl Magnet {
         }
     }
 
-    /// Distances within the span at which the magnet attracts with `force` (N), the one nearest to the face first (m).
+    /// Distances within the span at which the magnet attracts with `force` (N), the one nearest to
+    /// the face first (m).
     pub fn distances(&self, force: f64, temperature: f64) -> Vec<f64> {
         let [near, far] = self.span();
         let place = |look: u32| near + (far - near) * f64::from(look) / f64::from(LAW_SAMPLES);

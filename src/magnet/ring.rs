@@ -1,18 +1,22 @@
 //! An axially magnetised ring and a soft iron sphere on its axis.
 //!
 //! Field on the axis, `z` from the ring's centre: `B(z) = Br/2 [g(z, R2) - g(z, R1)]`,
-//! `g(z, R) = a/sqrt(a^2 + R^2) - b/sqrt(b^2 + R^2)`, `a = z + L/2`, `b = z - L/2`: two current sheets of strength `Br/mu0` on the
-//! outer radius `R2` and against it on the inner `R1`. Its slope `B'` has `g' = R^2 [(a^2 + R^2)^(-3/2) - (b^2 + R^2)^(-3/2)]`.
-//! Source: the sheets' Biot-Savart integral, e.g. J. M. Camacho, V. Sosa, Rev. Mex. Fis. E 59, 8 (2013). Exact for magnets of
-//! even magnetisation that their own field does not change, as those of rare earths nearly are.
+//! `g(z, R) = a/sqrt(a^2 + R^2) - b/sqrt(b^2 + R^2)`, `a = z + L/2`, `b = z - L/2`: two current
+//! sheets of strength `Br/mu0` on the outer radius `R2` and against it on the inner `R1`. Its slope
+//! `B'` has `g' = R^2 [(a^2 + R^2)^(-3/2) - (b^2 + R^2)^(-3/2)]`. Source: the sheets' Biot-Savart
+//! integral, e.g. J. M. Camacho, V. Sosa, Rev. Mex. Fis. E 59, 8 (2013). Exact for magnets of even
+//! magnetisation that their own field does not change, as those of rare earths nearly are.
 //!
-//! Force on a sphere of radius `Rs` and volume `V`: `F = V M B'`, the magnetisation `M = 3 |B|/mu0` up to saturation `Ms`: below it
-//! `F = (4 pi Rs^3/mu0) B B'`, above `F = V Ms B'`. Source: a sphere of high permeability in an even field, J. D. Jackson, Classical
-//! Electrodynamics (1999), section 5.11. Valid for spheres small against the field's own length; here sphere and bore are
-//! of one size, so a wanted force is to be set with a balance, and this tells where to look and how steep it is.
-//! The force is the slope of an energy, `-W`: `W = (2 pi Rs^3/mu0) B^2` below saturation, `V Ms |B| - (2 pi Rs^3/mu0) (mu0 Ms/3)^2` above.
+//! Force on a sphere of radius `Rs` and volume `V`: `F = V M B'`, the magnetisation `M = 3 |B|/mu0`
+//! up to saturation `Ms`: below it `F = (4 pi Rs^3/mu0) B B'`, above `F = V Ms B'`. Source: a
+//! sphere of high permeability in an even field, J. D. Jackson, Classical Electrodynamics (1999),
+//! section 5.11. Valid for spheres small against the field's own length; here sphere and bore are
+//! of one size, so a wanted force is to be set with a balance, and this tells where to look and how
+//! steep it is. The force is the slope of an energy, `-W`: `W = (2 pi Rs^3/mu0) B^2` below
+//! saturation, `V Ms |B| - (2 pi Rs^3/mu0) (mu0 Ms/3)^2` above.
 //!
-//! Remanence falls with temperature, `Br(T) = Br [1 + c (T - T0)]`: reversible, below the magnet's rated temperature.
+//! Remanence falls with temperature, `Br(T) = Br [1 + c (T - T0)]`: reversible, below the magnet's
+//! rated temperature.
 
 use std::f64::consts::PI;
 

@@ -1,10 +1,12 @@
 //! A measured force over distance, interpolated by a monotone piecewise cubic (no overshoot).
 //!
-//! Between two points `y = h00 y0 + h10 w m0 + h01 y1 + h11 w m1`, Hermite's cubic over the width `w`, with slopes `m` that are zero
-//! at local extremes of the data, otherwise the weighted harmonic mean of the adjacent secant slopes: the curve is monotone between points.
-//! Source: F. N. Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5, 300 (1984); ends: one-sided parabola, limited. Valid between
-//! the outermost points: `force` and `slope` return none outside, `held_force` and `integral` continue with the end value. Forces keep
-//! the sign of the data; the magnet's tables count attraction as positive.
+//! Between two points `y = h00 y0 + h10 w m0 + h01 y1 + h11 w m1`, Hermite's cubic over the width
+//! `w`, with slopes `m` that are zero at local extremes of the data, otherwise the weighted
+//! harmonic mean of the adjacent secant slopes: the curve is monotone between points. Source: F. N.
+//! Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5, 300 (1984); ends: one-sided parabola,
+//! limited. Valid between the outermost points: `force` and `slope` return none outside,
+//! `held_force` and `integral` continue with the end value. Forces keep the sign of the data; the
+//! magnet's tables count attraction as positive.
 
 /// Errors of a force table.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -88,7 +90,8 @@ impl ForceTable {
         Some(6.0 * t * s * (y1 - y0) / width + s * (1.0 - 3.0 * t) * m0 - t * (2.0 - 3.0 * t) * m1)
     }
 
-    /// Integral of the force from the table's first distance to `distance` (m), beyond the table with the force of its end (J).
+    /// Integral of the force from the table's first distance to `distance` (m), beyond the table
+    /// with the force of its end (J).
     pub fn integral(&self, distance: f64) -> f64 {
         let whole = |i: usize| {
             let place = self.distances.get(i).copied().unwrap_or(0.0);
@@ -158,8 +161,8 @@ fn slopes(points: &[(f64, f64)]) -> Vec<f64> {
     std::iter::once(end_slope(&secants)).chain(inner).chain([end_slope(&reversed)]).collect()
 }
 
-/// Slope at the first point of `secants`: derivative of the parabola through three points, limited to the sign of the first secant
-/// and, where the secants change sign, to three times its value.
+/// Slope at the first point of `secants`: derivative of the parabola through three points, limited
+/// to the sign of the first secant and, where the secants change sign, to three times its value.
 fn end_slope(secants: &[(f64, f64)]) -> f64 {
     let Some((w0, s0)) = secants.first() else { return 0.0 };
     let Some((w1, s1)) = secants.get(1) else { return *s0 };

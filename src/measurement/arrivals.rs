@@ -1,5 +1,5 @@
-//! Arrivals and speeds read off a recording's captures, in the words of `arrivals --json`: names and units are part of the
-//! interface.
+//! Arrivals and speeds read off a recording's captures, in the words of `arrivals --json`: names
+//! and units are part of the interface.
 
 use crate::quantity::Uncertain;
 use serde::Serialize;
@@ -26,7 +26,8 @@ pub fn sensitivities_unknown(channels: &[&str]) -> String {
 /// A pulse smaller than this share of the largest value is not counted (1).
 const MIN_PULSE_SHARE: f64 = 0.05;
 
-/// Estimators that differ by more than this share of the speed are noted, where it is more than their uncertainties (1).
+/// Estimators that differ by more than this share of the speed are noted, where it is more than
+/// their uncertainties (1).
 const DIFFERENT_SPEEDS: f64 = 0.1;
 
 /// An arrival by one estimator.
@@ -34,7 +35,8 @@ const DIFFERENT_SPEEDS: f64 = 0.1;
 pub struct Arrival {
     /// `half_rise`, `peak`, `ten_percent` or `maximum_slope`.
     pub estimator: &'static str,
-    /// Time after the trigger, which is known to a sample interval, seconds; none where it cannot be told.
+    /// Time after the trigger, which is known to a sample interval, seconds; none where it cannot
+    /// be told.
     pub time_s: Option<Uncertain>,
 }
 
@@ -45,7 +47,8 @@ pub struct ChannelArrivals {
     pub channel: String,
     /// Name of the sensor, where the recording tells.
     pub sensor: Option<String>,
-    /// Whether the sensor's droop was undone; arrivals of a drooping signal are off by more than is stated.
+    /// Whether the sensor's droop was undone; arrivals of a drooping signal are off by more than is
+    /// stated.
     pub droop_undone: bool,
     /// Samples at the converter's ends; a clipped peak is no peak.
     pub clipped: usize,
@@ -82,8 +85,8 @@ pub struct SpeedBetween {
     pub m_per_s: Uncertain,
 }
 
-/// How much lower the first peak is from one channel's sensor to the next in a host of the same kind: a plate in a heavy host feels
-/// another share of the same pulse than one in a light host.
+/// How much lower the first peak is from one channel's sensor to the next in a host of the same
+/// kind: a plate in a heavy host feels another share of the same pulse than one in a light host.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Decay {
     /// Channel from which.
@@ -212,7 +215,8 @@ fn changes_of_shape(speeds: &[SpeedBetween]) -> Vec<String> {
     pairs.filter_map(note).collect()
 }
 
-/// Decays of the first peak from each sensor to the next in a host of the same kind, of sensors sorted from the top.
+/// Decays of the first peak from each sensor to the next in a host of the same kind, of sensors
+/// sorted from the top.
 fn decays(scene: &Scene, placed: &[PlacedPulse], channels: &[ChannelArrivals]) -> Vec<Decay> {
     let kind = |placed: &PlacedPulse| {
         let Site::Particle(particle) = placed.place.site else { return None };
@@ -271,7 +275,8 @@ struct PlacedPulse {
     pulse: Pulse,
 }
 
-/// The first pulse of `capture`, with the droop of `time_constant` (s) undone; or why it has neither height nor arrival.
+/// The first pulse of `capture`, with the droop of `time_constant` (s) undone; or why it has
+/// neither height nor arrival.
 pub(super) fn first_pulse(capture: &Capture, time_constant: Option<f64>) -> Result<Pulse, String> {
     let waveform = &capture.waveform;
     let trace = capture.trace().ok_or("a record over frequency has no arrival")?;
@@ -310,7 +315,8 @@ fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArriva
         let half_width = (value.abs() * limit).max(height.half_width / sensitivity);
         Uncertain { value, u, half_width }
     });
-    // The signal crossed the trigger's level somewhere in the sample interval before the record's zero.
+    // The signal crossed the trigger's level somewhere in the sample interval before the record's
+    // zero.
     let interval = capture.waveform.preamble.x_incr;
     let after_trigger = |time: Uncertain| Uncertain {
         u: time.u.hypot(interval / 3f64.sqrt()),
@@ -337,7 +343,8 @@ fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArriva
     (channel, pulse)
 }
 
-/// Speeds over `distance` (m) from one channel to another by every estimator that tells both arrivals, and by cross-correlation.
+/// Speeds over `distance` (m) from one channel to another by every estimator that tells both
+/// arrivals, and by cross-correlation.
 fn between(
     distance: Uncertain,
     (from, start): (&str, &Pulse),

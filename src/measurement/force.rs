@@ -1,8 +1,9 @@
 //! Tells a recording which sensor was wired to a channel, and turns its volts into newtons.
 //!
-//! `N = (V + (1/tau) integral V dt)/S`. The standard uncertainty of each value is put together from the sensitivity's, the time
-//! constant's (`u(tau)/tau` times what droop took away), the scope's gain, the baseline's and the noise's, the latter two grown by the inverse filter.
-//! Source: JCGM 100:2008, 5.1.2. Valid from a start at rest and discharged.
+//! `N = (V + (1/tau) integral V dt)/S`. The standard uncertainty of each value is put together from
+//! the sensitivity's, the time constant's (`u(tau)/tau` times what droop took away), the scope's
+//! gain, the baseline's and the noise's, the latter two grown by the inverse filter. Source: JCGM
+//! 100:2008, 5.1.2. Valid from a start at rest and discharged.
 
 use std::collections::BTreeMap;
 
@@ -70,7 +71,8 @@ pub enum ForcesError {
     Pulse(#[from] PulseError),
 }
 
-/// Notes in `set` that `sensor` was wired to `channel`; what was noted of that channel before is gone.
+/// Notes in `set` that `sensor` was wired to `channel`; what was noted of that channel before is
+/// gone.
 ///
 /// # Errors
 /// [`SceneError`] where the scope's description cannot be read.

@@ -25,7 +25,8 @@ pub struct RecordedSensor {
     pub sensitivity: Option<f64>,
     /// Relative standard uncertainty of the sensitivity, where the sensor was calibrated (1).
     pub sensitivity_u: Option<f64>,
-    /// Relative standard uncertainty of the channel's gain for this sensor; 0 for an exact scope, or one calibrated with the sensor (1).
+    /// Relative standard uncertainty of the channel's gain for this sensor; 0 for an exact scope,
+    /// or one calibrated with the sensor (1).
     pub gain_u: f64,
     /// The channel and range that it was calibrated with as one chain.
     pub chain: Option<InChain>,
@@ -81,7 +82,8 @@ pub fn distances(set: &TraceSet) -> Vec<RecordedDistance> {
 /// The scene that travels with a recording; none where none does, as with a real scope's files.
 ///
 /// # Errors
-/// [`SceneError`] for a scene that this version cannot read, or that stands on a file that is not there.
+/// [`SceneError`] for a scene that this version cannot read, or that stands on a file that is not
+/// there.
 pub fn scene(set: &TraceSet) -> Option<Result<Scene, SceneError>> {
     let attachment = set.attachments.iter().find(|a| a.media_type == "application/toml")?;
     let text = String::from_utf8_lossy(&attachment.data);
@@ -89,7 +91,8 @@ pub fn scene(set: &TraceSet) -> Option<Result<Scene, SceneError>> {
     Some(Scene::from_text(name, &attachment.name, &text))
 }
 
-/// The scene of one shot: that of the recording, or where the shot has another, that one, with what was turned of it.
+/// The scene of one shot: that of the recording, or where the shot has another, that one, with what
+/// was turned of it.
 ///
 /// # Errors
 /// As [`scene`].
@@ -120,7 +123,8 @@ pub fn sensors(set: &TraceSet) -> Vec<RecordedSensor> {
     sensors_below(set, "hertzscope:sensor/")
 }
 
-/// The sensors of one shot: those of the recording, or where the shot has a scene of its own, that one's.
+/// The sensors of one shot: those of the recording, or where the shot has a scene of its own, that
+/// one's.
 pub fn sensors_of(set: &TraceSet, shot: u32) -> Vec<RecordedSensor> {
     let own = format!("hertzscope:shot/{shot}");
     if set.metadata.contains_key(&own) {
@@ -136,7 +140,8 @@ impl RecordedSensor {
         self.sensitivity_u.unwrap_or(0.0).hypot(self.gain_u)
     }
 
-    /// Relative limit within which the channel's gain is evenly distributed; 0 where it is normal, as the quotient of two ranges' gains (1).
+    /// Relative limit within which the channel's gain is evenly distributed; 0 where it is normal,
+    /// as the quotient of two ranges' gains (1).
     pub fn gain_half_width(&self) -> f64 {
         if self.chain.is_some() { 0.0 } else { 3f64.sqrt() * self.gain_u }
     }
@@ -211,8 +216,8 @@ fn sensor(facts: &BTreeMap<String, String>) -> RecordedSensor {
     }
 }
 
-/// The linear chain of two masses in turn, or of equal ones, that `scene`'s chain is around `site`, at the static force there; none
-/// where the chain is not periodic or nothing presses.
+/// The linear chain of two masses in turn, or of equal ones, that `scene`'s chain is around `site`,
+/// at the static force there; none where the chain is not periodic or nothing presses.
 pub fn cell(scene: &Scene, site: Site) -> Option<DiatomicChain> {
     cell_and_force(scene, site).map(|(cell, _)| cell)
 }
@@ -226,7 +231,8 @@ pub fn cell_and_force(scene: &Scene, site: Site) -> Option<(DiatomicChain, f64)>
         Site::Wall => last,
     };
     let body = |particle: usize| chain.bodies().get(chain.body_of(particle));
-    // A particle, its neighbour of the other kind and the next of its own, downward if that is a cell, else upward.
+    // A particle, its neighbour of the other kind and the next of its own, downward if that is a
+    // cell, else upward.
     let is_cell = |upper: usize| {
         let (first, second, third) = (body(upper)?, body(upper + 1)?, body(upper + 2)?);
         (first.repeats_after(second, third) && upper >= 1 && upper + 2 <= last).then_some(upper)
@@ -248,8 +254,8 @@ pub fn cell_and_force(scene: &Scene, site: Site) -> Option<(DiatomicChain, f64)>
     (stiffness > 0.0).then_some((cell, contact.static_force))
 }
 
-/// Every second contact of the periodic part of `scene`'s chain around `particle`, one a cell, from the top; none where it is not
-/// periodic.
+/// Every second contact of the periodic part of `scene`'s chain around `particle`, one a cell, from
+/// the top; none where it is not periodic.
 pub fn cells(scene: &Scene, particle: usize) -> Option<Vec<usize>> {
     let chain = &scene.chain;
     let body = |p: usize| chain.bodies().get(chain.body_of(p));

@@ -1,9 +1,12 @@
-//! Statistics of arrivals over the shots of a recording: how far heights, times and speeds repeat, and whether they drift.
+//! Statistics of arrivals over the shots of a recording: how far heights, times and speeds repeat,
+//! and whether they drift.
 //!
-//! Of `n` values `x_i`: mean, standard deviation `s = sqrt(sum (x_i - mean)^2/(n - 1))`, standard uncertainty of the mean `s/sqrt(n)`
-//! (JCGM 100:2008, 4.2), repeatability limit `2.8 s`, which two shots under the same conditions exceed in 5 % of all pairs (ISO 5725-6:1994, 4.1),
-//! and trend: the slope of the straight line through `x_i` over the shot's number, with its standard uncertainty from the scatter about
-//! the line (JCGM 100:2008, H.3). Valid for shots of one kind; clipped peaks are left out.
+//! Of `n` values `x_i`: mean, standard deviation `s = sqrt(sum (x_i - mean)^2/(n - 1))`, standard
+//! uncertainty of the mean `s/sqrt(n)` (JCGM 100:2008, 4.2), repeatability limit `2.8 s`, which two
+//! shots under the same conditions exceed in 5 % of all pairs (ISO 5725-6:1994, 4.1), and trend:
+//! the slope of the straight line through `x_i` over the shot's number, with its standard
+//! uncertainty from the scatter about the line (JCGM 100:2008, H.3). Valid for shots of one kind;
+//! clipped peaks are left out.
 
 use serde::Serialize;
 
@@ -14,8 +17,8 @@ use crate::quantity::coverage::student_95;
 /// Repeatability limit over standard deviation: 1.96 times the square root of two (1).
 const REPEATABILITY_FACTOR: f64 = 2.8;
 
-/// A trend of this many expanded uncertainties is called a drift, three standard ones of many shots: of dozens of quantities, a single
-/// one would call some by chance (1).
+/// A trend of this many expanded uncertainties is called a drift, three standard ones of many
+/// shots: of dozens of quantities, a single one would call some by chance (1).
 const DRIFT_FACTOR: f64 = 1.5;
 
 /// One quantity over all shots that tell it.
@@ -67,7 +70,8 @@ impl ShotStatistic {
 /// A quantity's name, of what it is, and its value by the shot's number.
 type Series = (ShotStatistic, Vec<(f64, f64)>);
 
-/// Statistics over `surveys`, one a shot: heights, arrivals, then speeds, in the order of their first appearance.
+/// Statistics over `surveys`, one a shot: heights, arrivals, then speeds, in the order of their
+/// first appearance.
 pub fn statistics(surveys: &[Survey]) -> Vec<ShotStatistic> {
     let mut all: Vec<Series> = Vec::new();
     for survey in surveys {
@@ -160,7 +164,8 @@ fn completed(statistic: ShotStatistic, values: &[(f64, f64)]) -> ShotStatistic {
 mod tests {
     use super::*;
 
-    /// By hand: 2, 4, 6, 5 over 1, 2, 3, 4 have mean 4.25, s = sqrt(8.75/3), slope 1.1 and scatter sqrt(2.7/2/5).
+    /// By hand: 2, 4, 6, 5 over 1, 2, 3, 4 have mean 4.25, s = sqrt(8.75/3), slope 1.1 and scatter
+    /// sqrt(2.7/2/5).
     #[test]
     fn four_values_by_hand() {
         let mut all = Vec::new();

@@ -1,10 +1,11 @@
 //! Small systems of linear equations with a symmetric, positive matrix: Cholesky's factorisation.
 //!
-//! `A = L L^T`. Source: G. H. Golub, C. F. Van Loan, "Matrix Computations", 4th ed. (2013), section 4.2.3. Valid for a handful of
-//! unknowns.
+//! `A = L L^T`. Source: G. H. Golub, C. F. Van Loan, "Matrix Computations", 4th ed. (2013), section
+//! 4.2.3. Valid for a handful of unknowns.
 
-/// A pivot of a matrix with a diagonal of ones is the share of a column that the columns before it do not explain; below this there is
-/// nothing left of it but errors of the differences it was made from (1).
+/// A pivot of a matrix with a diagonal of ones is the share of a column that the columns before it
+/// do not explain; below this there is nothing left of it but errors of the differences it was made
+/// from (1).
 const SMALLEST_PIVOT: f64 = 1e-9;
 
 /// Data do not determine a parameter beside those before it.

@@ -1,8 +1,9 @@
 //! Roots and minima of functions of one number.
 
-/// Root of `f` between `low` and `high`, to the last bits, where it has the signs of `at_low` and `at_high`, which differ, and is about as
-/// large: false position, the end that stays counting less each time, and bisection where that does not close in. No shape of `f` can defeat
-/// it. N. Anderson, Å. Björck, BIT 13, 253, 1973 (unit).
+/// Root of `f` between `low` and `high`, to the last bits, where it has the signs of `at_low` and
+/// `at_high`, which differ, and is about as large: false position, the end that stays counting less
+/// each time, and bisection where that does not close in. No shape of `f` can defeat it. N.
+/// Anderson, Å. Björck, BIT 13, 253, 1973 (unit).
 pub fn root(
     f: &dyn Fn(f64) -> f64,
     [mut low, mut high]: [f64; 2],
@@ -13,13 +14,15 @@ pub fn root(
     }
     let mut side = 0_i8;
     for count in 0..120_u8 {
-        // Of the step's length, too: where `at_low` was told of another polynomial the root may be at the very start.
+        // Of the step's length, too: where `at_low` was told of another polynomial the root may be
+        // at the very start.
         let smallest = f64::EPSILON * high.max(f64::EPSILON);
         if at_low == 0.0 || high - low <= smallest {
             return low;
         }
         let falsi = (low * at_high - high * at_low) / (at_high - at_low);
-        // Never nearer to an end than it can be told from it, so that the other end follows once one has arrived.
+        // Never nearer to an end than it can be told from it, so that the other end follows once
+        // one has arrived.
         let falsi = falsi.max(low + smallest).min(high - smallest);
         let inside = falsi > low && falsi < high && count < 60;
         let middle = if inside { falsi } else { 0.5 * (low + high) };
@@ -39,13 +42,15 @@ pub fn root(
     0.5 * (low + high)
 }
 
-/// How much less an end counts when the other has moved again, to this share of its value: as if a parabola went through all three, but not
-/// so little that the next place would be at this very end (1).
+/// How much less an end counts when the other has moved again, to this share of its value: as if a
+/// parabola went through all three, but not so little that the next place would be at this very end
+/// (1).
 fn less(share: f64) -> f64 {
     (1.0 - share).max(0.25)
 }
 
-/// The minimum of `cost` between two places, to a width of `step`, by golden sections: J. Kiefer, Proc. Amer. Math. Soc. 4, 502 (1953) (unit).
+/// The minimum of `cost` between two places, to a width of `step`, by golden sections: J. Kiefer,
+/// Proc. Amer. Math. Soc. 4, 502 (1953) (unit).
 ///
 /// # Errors
 /// Those of `cost`.
@@ -102,7 +107,8 @@ mod tests {
         }
     }
 
-    /// The rate at the start of a step is that of the end of the one before, whose polynomial may disagree.
+    /// The rate at the start of a step is that of the end of the one before, whose polynomial may
+    /// disagree.
     #[test]
     fn a_start_that_was_told_wrong_is_the_root() {
         let count = Cell::new(0);

@@ -1,7 +1,7 @@
 //! Medians, quantiles, and straight lines by weighted least squares.
 //!
-//! The line `y = <y> + b (x - <x>)` has `b = sum w (x - <x>)(y - <y>) / sum w (x - <x>)^2`, means weighted with `w`. Source: W. H. Press et al.,
-//! Numerical Recipes (2007), section 15.2.
+//! The line `y = <y> + b (x - <x>)` has `b = sum w (x - <x>)(y - <y>) / sum w (x - <x>)^2`, means
+//! weighted with `w`. Source: W. H. Press et al., Numerical Recipes (2007), section 15.2.
 
 /// The median; zero of no values (unit).
 pub fn median(mut values: Vec<f64>) -> f64 {
@@ -52,7 +52,8 @@ impl StraightLine {
         Self { mean: (x, y), slope, spread, residual }
     }
 
-    /// The slope's standard uncertainty from the scatter of `count` points of weight one about the line (unit).
+    /// The slope's standard uncertainty from the scatter of `count` points of weight one about the
+    /// line (unit).
     pub fn slope_u(&self, count: usize) -> f64 {
         (self.residual / (count as f64 - 2.0) / self.spread).sqrt()
     }

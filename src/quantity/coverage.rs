@@ -1,8 +1,9 @@
-//! From standard to expanded uncertainty: the coverage factor of 95 % by effective degrees of freedom.
+//! From standard to expanded uncertainty: the coverage factor of 95 % by effective degrees of
+//! freedom.
 //!
-//! `U95 = t_0.975(nu) u`, `nu` by Welch and Satterthwaite, `nu = u^4 / sum of u_i^4/nu_i`.
-//! Source: JCGM 100:2008, annex G (G.2b, and G.4.2: `nu` truncated to a whole number). Valid for sums of independent inputs
-//! that are normal or many.
+//! `U95 = t_0.975(nu) u`, `nu` by Welch and Satterthwaite, `nu = u^4 / sum of u_i^4/nu_i`. Source:
+//! JCGM 100:2008, annex G (G.2b, and G.4.2: `nu` truncated to a whole number). Valid for sums of
+//! independent inputs that are normal or many.
 
 use std::f64::consts::PI;
 
@@ -11,8 +12,8 @@ pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// Coverage factor of 95 % for `freedom` degrees of freedom: Student's `t`, two-sided (1).
 ///
-/// One and two degrees in closed form; more by the expansion of M. Abramowitz, I. Stegun, "Handbook of Mathematical Functions"
-/// (1964), Eq. 26.7.5, within 0.12 % at three degrees and closer beyond.
+/// One and two degrees in closed form; more by the expansion of M. Abramowitz, I. Stegun, "Handbook
+/// of Mathematical Functions" (1964), Eq. 26.7.5, within 0.12 % at three degrees and closer beyond.
 pub fn student_95(freedom: f64) -> f64 {
     let nu = freedom.floor().max(1.0);
     if nu < 2.0 {
@@ -88,11 +89,14 @@ pub fn normal_quantile(share: f64) -> f64 {
     }
 }
 
-/// Half-width of the interval that holds 95 % of a sum of two parts, a normal one and one that is evenly distributed within `half_width` (unit) either way;
-/// `u` is the standard uncertainty of both together (unit).
+/// Half-width of the interval that holds 95 % of a sum of two parts, a normal one and one that is
+/// evenly distributed within `half_width` (unit) either way; `u` is the standard uncertainty of
+/// both together (unit).
 ///
-/// `P(|x| <= h) = (s/a) [G((h + a)/s) - G((h - a)/s)] - 1` with the normal part's `s`, the half-width `a` and `G(z) = z Phi(z) + phi(z)`; without the
-/// normal part 95 % of the half-width. Source: the integral of the normal distribution over the even one (JCGM 101:2008, 6.4.2 and 6.4.7, give both).
+/// `P(|x| <= h) = (s/a) [G((h + a)/s) - G((h - a)/s)] - 1` with the normal part's `s`, the
+/// half-width `a` and `G(z) = z Phi(z) + phi(z)`; without the normal part 95 % of the half-width.
+/// Source: the integral of the normal distribution over the even one (JCGM 101:2008, 6.4.2 and
+/// 6.4.7, give both).
 pub fn expanded_95(u: f64, half_width: f64) -> f64 {
     /// Smallest part of the whole that counts (1).
     const NEGLIGIBLE: f64 = 1e-3;
@@ -113,21 +117,24 @@ pub fn expanded_95(u: f64, half_width: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Shares of `trials` right 95 % intervals that hold the truth in 95 % of all repetitions: the binomial scatter (1).
+/// Shares of `trials` right 95 % intervals that hold the truth in 95 % of all repetitions: the
+/// binomial scatter (1).
 pub fn expected_coverage(trials: u32) -> [f64; 2] {
     let scatter = NORMAL_95 * (0.95 * 0.05 / f64::from(trials.max(1))).sqrt();
     [0.95 - scatter, (0.95 + scatter).min(1.0)]
 }
 
-/// Half-width of the even part of a sum of a normal and an even one, from its standard uncertainty (unit) and its fourth cumulant (unit^4), to which the normal part
-/// adds nothing and the even one `-2 a^4/15` (unit).
+/// Half-width of the even part of a sum of a normal and an even one, from its standard uncertainty
+/// (unit) and its fourth cumulant (unit^4), to which the normal part adds nothing and the even one
+/// `-2 a^4/15` (unit).
 pub fn even_half_width(u: f64, fourth_cumulant: f64) -> f64 {
     (-7.5 * fourth_cumulant).max(0.0).sqrt().sqrt().min(3f64.sqrt() * u)
 }
 
 /// Share of the normal distribution below `z` (1).
 ///
-/// M. Abramowitz, I. Stegun, "Handbook of Mathematical Functions" (1964), Eq. 26.2.17, within 7.5e-8.
+/// M. Abramowitz, I. Stegun, "Handbook of Mathematical Functions" (1964), Eq. 26.2.17, within
+/// 7.5e-8.
 pub fn normal_share(z: f64) -> f64 {
     const COEFFICIENTS: [f64; 5] =
         [0.319_381_530, -0.356_563_782, 1.781_477_937, -1.821_255_978, 1.330_274_429];
@@ -137,7 +144,8 @@ pub fn normal_share(z: f64) -> f64 {
     if z < 0.0 { above } else { 1.0 - above }
 }
 
-/// Effective degrees of freedom of a sum of independent parts, each with its standard uncertainty and degrees of freedom (1).
+/// Effective degrees of freedom of a sum of independent parts, each with its standard uncertainty
+/// and degrees of freedom (1).
 pub fn effective_freedom(parts: impl IntoIterator<Item = (f64, f64)>) -> f64 {
     let (mut variance, mut fourth) = (0.0, 0.0);
     for (u, freedom) in parts {
@@ -151,7 +159,8 @@ pub fn effective_freedom(parts: impl IntoIterator<Item = (f64, f64)>) -> f64 {
 mod tests {
     use super::*;
 
-    /// Against draws, a linear congruence's: the interval holds 95 % of sums of both parts, whatever their sizes.
+    /// Against draws, a linear congruence's: the interval holds 95 % of sums of both parts,
+    /// whatever their sizes.
     #[test]
     fn intervals_of_normal_and_even_parts_hold_95_per_cent() {
         let mut state = 5_u64;
@@ -177,7 +186,8 @@ mod tests {
         assert!((expanded_95(1.0, 3f64.sqrt()) - 1.65).abs() < 0.006);
     }
 
-    /// Against JCGM 100:2008, table G.2 (95 %), and its example H.1: 16 degrees for lengths of end gauges.
+    /// Against JCGM 100:2008, table G.2 (95 %), and its example H.1: 16 degrees for lengths of end
+    /// gauges.
     #[test]
     fn coverage_factors_are_those_of_the_gum() {
         let table = [

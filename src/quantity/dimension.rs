@@ -103,7 +103,8 @@ impl Dimension {
     pub(super) fn plus(self, other: Self, halves: i16) -> Option<Self> {
         let mut sum = self.0;
         for (s, o) in sum.iter_mut().zip(other.0) {
-            // `other` comes from a unit symbol, whose exponents are whole: the product stays in halves.
+            // `other` comes from a unit symbol, whose exponents are whole: the product stays in
+            // halves.
             *s = s.checked_add((o / 2).checked_mul(halves)?)?;
         }
         Some(Self(sum))

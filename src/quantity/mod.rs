@@ -5,8 +5,8 @@
 //! module knows that grams or microseconds exist.
 //!
 //! A [`Dimension`] is a vector of exponents over kilogram, metre, second, ampere, kelvin and the
-//! oscilloscope's division. Exponents are counted in halves, because a Hertz contact's stiffness has
-//! the unit N/m^1.5.
+//! oscilloscope's division. Exponents are counted in halves, because a Hertz contact's stiffness
+//! has the unit N/m^1.5.
 
 pub mod coverage;
 mod dimension;
@@ -23,14 +23,16 @@ use std::fmt;
 use coverage::expanded_95;
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
-/// A number with its standard uncertainty; JSON has `value`, `u`, and `U95`, the expanded uncertainty that is printed behind `±`.
+/// A number with its standard uncertainty; JSON has `value`, `u`, and `U95`, the expanded
+/// uncertainty that is printed behind `±`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Uncertain {
     /// The number (unit).
     pub value: f64,
     /// Its standard uncertainty (unit).
     pub u: f64,
-    /// Half-width of the evenly distributed part in that, such as a gain within a data sheet's limits; the rest is normal (unit).
+    /// Half-width of the evenly distributed part in that, such as a gain within a data sheet's
+    /// limits; the rest is normal (unit).
     pub half_width: f64,
 }
 
@@ -76,8 +78,8 @@ impl Serialize for Uncertain {
 /// ```
 ///
 /// # Errors
-/// [`QuantityError`] when there is no number, the number is not finite, a unit symbol is unknown, or
-/// the unit measures something other than `dimension`.
+/// [`QuantityError`] when there is no number, the number is not finite, a unit symbol is unknown,
+/// or the unit measures something other than `dimension`.
 pub fn parse(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
     of_dimension(text, parse_any(text)?, dimension)
 }
@@ -95,7 +97,8 @@ fn of_dimension(
     }
 }
 
-/// Reads `text` as a quantity of whatever dimension its unit has; returns the SI value and that dimension.
+/// Reads `text` as a quantity of whatever dimension its unit has; returns the SI value and that
+/// dimension.
 ///
 /// # Errors
 /// As [`parse`], except for the dimension.
@@ -123,7 +126,8 @@ pub fn parse_difference(text: &str, dimension: Dimension) -> Result<f64, Quantit
     of_dimension(text, parse_any_difference(text)?, dimension)
 }
 
-/// Reads `text` as a difference of whatever dimension its unit has; returns the SI value and that dimension.
+/// Reads `text` as a difference of whatever dimension its unit has; returns the SI value and that
+/// dimension.
 ///
 /// # Errors
 /// As [`parse_any`].
@@ -167,7 +171,8 @@ fn number_length(text: &str) -> usize {
     end
 }
 
-/// A number in engineering notation: mantissa of `digits` significant digits, an SI prefix, the unit.
+/// A number in engineering notation: mantissa of `digits` significant digits, an SI prefix, the
+/// unit.
 ///
 /// ```
 /// use hertzscope::quantity::engineering;

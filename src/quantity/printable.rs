@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 use std::fmt::Write as _;
 
-/// Whether a character may reach a terminal or a document: no control character but the line feed, and none that turns the direction of text
-/// or is invisible.
+/// Whether a character may reach a terminal or a document: no control character but the line feed,
+/// and none that turns the direction of text or is invisible.
 fn is_printable(character: char) -> bool {
     character == '\n'
         || !(character.is_control()
@@ -12,7 +12,8 @@ fn is_printable(character: char) -> bool {
             || matches!(character, '\u{2060}'..='\u{206f}' | '\u{feff}'))
 }
 
-/// `text` with every character that a terminal might obey written as `\uXXXX`, which means the same in JSON. Line feeds stay.
+/// `text` with every character that a terminal might obey written as `\uXXXX`, which means the same
+/// in JSON. Line feeds stay.
 pub fn printable(text: &str) -> Cow<'_, str> {
     if text.chars().all(is_printable) {
         return text.into();

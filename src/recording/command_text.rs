@@ -1,9 +1,11 @@
-//! The instrument's way to write settings as text, `:CH1:SCALE 2.0E0;POSITION 0.0E0;:HORIZONTAL:...`, taken apart.
-//! `.SET` files are such a text, and an ISF begins with one.
+//! The instrument's way to write settings as text,
+//! `:CH1:SCALE 2.0E0;POSITION 0.0E0;:HORIZONTAL:...`, taken apart. `.SET` files are such a text,
+//! and an ISF begins with one.
 //!
-//! A header without a leading `:` continues the path of the one before it: `:MATH:DEFINE "..";FFT:HORIZONTAL:SCALE 1`
-//! sets `MATH:FFT:HORIZONTAL:SCALE`. Source: Tektronix programmer manual 071-1075, command syntax; the rule gives
-//! every path of the `.SET` files in the project's fact sheet, section 2.7.
+//! A header without a leading `:` continues the path of the one before it:
+//! `:MATH:DEFINE "..";FFT:HORIZONTAL:SCALE 1` sets `MATH:FFT:HORIZONTAL:SCALE`. Source: Tektronix
+//! programmer manual 071-1075, command syntax; the rule gives every path of the `.SET` files in the
+//! project's fact sheet, section 2.7.
 
 /// One setting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -27,7 +27,8 @@ pub enum Format {
     TekCsv,
     /// One channel as an instrument sends it.
     Isf,
-    /// A folder of such files, as the scope makes for one trigger (`ALL0000`), or a memory stick with several of these.
+    /// A folder of such files, as the scope makes for one trigger (`ALL0000`), or a memory stick
+    /// with several of these.
     Folder,
 }
 
@@ -161,7 +162,8 @@ pub fn open_large(path: &Path) -> Result<Option<IndexedRecording>, OpenError> {
     Ok(Some(recording))
 }
 
-/// Calls `act` with the shots of a file: with all at once or, of a recording that is too large for that, with each by itself.
+/// Calls `act` with the shots of a file: with all at once or, of a recording that is too large for
+/// that, with each by itself.
 ///
 /// # Errors
 /// Those of `act`, and [`OpenError`] where the file cannot be read.
@@ -317,8 +319,8 @@ fn complete(set: &mut TraceSet, file: &Path, prefix: &str) -> Result<(), OpenErr
     Ok(())
 }
 
-/// Adds one measured shot from the files of one trigger; each file travels along as it was. A file that cannot be read is named among the
-/// problems, and refused where there is no other.
+/// Adds one measured shot from the files of one trigger; each file travels along as it was. A file
+/// that cannot be read is named among the problems, and refused where there is no other.
 fn import(
     set: &mut TraceSet,
     files: &[PathBuf],
@@ -416,7 +418,8 @@ pub fn set_up_of(set: &TraceSet, shot: u32) -> Option<&Attachment> {
     set_ups().find(|a| a.name.split_once('/').is_some_and(|(found, _)| found == *folder))
 }
 
-/// The file's bytes, at most one more than the reader takes, so that it can refuse what is too large.
+/// The file's bytes, at most one more than the reader takes, so that it can refuse what is too
+/// large.
 fn read_limited(file: &Path, most: usize) -> Result<Vec<u8>, OpenError> {
     use std::io::Read as _;
     let failed = |source| OpenError::File { file: file.to_owned(), source };

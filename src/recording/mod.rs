@@ -1,7 +1,8 @@
 //! Recordings: what the bench keeps. One file a format, one type for all of them.
 //!
-//! `experiment` fills a [`TraceSet`], [`mcap`] writes and reads it, [`tek_csv`] and [`isf`] exchange captures with
-//! a real scope's files, [`set_file`] adds the front panel beside them; `report`, `tui` and `analysis` read it.
+//! `experiment` fills a [`TraceSet`], [`mcap`] writes and reads it, [`tek_csv`] and [`isf`]
+//! exchange captures with a real scope's files, [`set_file`] adds the front panel beside them;
+//! `report`, `tui` and `analysis` read it.
 
 use std::collections::BTreeMap;
 
@@ -23,7 +24,8 @@ use crate::trace::Trace;
 pub struct InstrumentIdentity {
     /// Model without a space, e.g. `TDS2014`; empty where a file does not tell.
     pub model: String,
-    /// Serial number, e.g. `C031611`; `0` on the original TDS 2014, empty where a file does not tell.
+    /// Serial number, e.g. `C031611`; `0` on the original TDS 2014, empty where a file does not
+    /// tell.
     pub serial: String,
     /// Firmware, e.g. `FV:v4.12`.
     pub firmware: String,
@@ -41,7 +43,8 @@ pub struct Capture {
 }
 
 impl Capture {
-    /// The record as an evenly sampled signal in time after the trigger; none for a record over frequency.
+    /// The record as an evenly sampled signal in time after the trigger; none for a record over
+    /// frequency.
     pub fn trace(&self) -> Option<Trace> {
         let waveform = &self.waveform;
         (waveform.preamble.x_unit == "s").then(|| Trace {
@@ -74,8 +77,8 @@ pub struct Shot {
     pub timestamp_ns: u64,
     /// One capture a channel that was on, in channel order.
     pub captures: Vec<Capture>,
-    /// Ground truth, on the simulation's clock (0 is the striker's first contact). Names are topics:
-    /// `/truth/sensor/<name>`, `/truth/contact/<j>`, `/truth/bead/<i>`.
+    /// Ground truth, on the simulation's clock (0 is the striker's first contact). Names are
+    /// topics: `/truth/sensor/<name>`, `/truth/contact/<j>`, `/truth/bead/<i>`.
     pub truth: Vec<Trace>,
     /// Time of the captures' trigger on the simulation's clock (s).
     pub trigger_time: Option<f64>,
@@ -119,8 +122,8 @@ pub struct Attachment {
 pub struct TraceSet {
     /// The triggers in order of time.
     pub shots: Vec<Shot>,
-    /// Named groups of facts: `hertzscope:recording`, `hertzscope:scope`, `hertzscope:sensor/<n>`; `hertzscope:shot/<n>` and
-    /// `hertzscope:shot/<n>/sensor/<k>` for a shot of another scene.
+    /// Named groups of facts: `hertzscope:recording`, `hertzscope:scope`, `hertzscope:sensor/<n>`;
+    /// `hertzscope:shot/<n>` and `hertzscope:shot/<n>/sensor/<k>` for a shot of another scene.
     pub metadata: BTreeMap<String, BTreeMap<String, String>>,
     /// Files carried along.
     pub attachments: Vec<Attachment>,
@@ -128,7 +131,8 @@ pub struct TraceSet {
     pub log: Vec<String>,
     /// Messages of the remote interface, in order of time.
     pub lines: Vec<ScpiLine>,
-    /// Notes of each shot beside captures and truth, by the shot's number; its lines are in `log` too.
+    /// Notes of each shot beside captures and truth, by the shot's number; its lines are in `log`
+    /// too.
     pub notes: BTreeMap<u32, mcap::ShotNotes>,
     /// Problems: parts that the reader skipped; empty for a sound file.
     pub problems: Vec<String>,

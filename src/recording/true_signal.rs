@@ -50,7 +50,8 @@ impl TrueSignal {
     }
 }
 
-/// The topic in a trace's name: what stands before the colon, without the prefix that it has in a file.
+/// The topic in a trace's name: what stands before the colon, without the prefix that it has in a
+/// file.
 pub fn topic(trace: &Trace) -> &str {
     let name = trace.name.strip_prefix(PREFIX).unwrap_or(&trace.name);
     name.split_once(": ").map_or(name, |(topic, _)| topic)

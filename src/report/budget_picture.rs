@@ -1,4 +1,5 @@
-//! The budget of an uncertain scene as an SVG picture: a bar for each output, divided among the inputs that carry its variance.
+//! The budget of an uncertain scene as an SVG picture: a bar for each output, divided among the
+//! inputs that carry its variance.
 
 use std::fmt::Write as _;
 
@@ -16,7 +17,8 @@ const HEIGHTS: (f64, f64) = (20.0, 13.0);
 /// Colour of the other inputs, and of what is not linear.
 const REST: [(&str, &str); 2] = [("other inputs", "#b0b0b0"), ("not linear", "#e4e4e4")];
 
-/// The inputs that carry most of all outputs' variances, as many as there are colours, the largest first.
+/// The inputs that carry most of all outputs' variances, as many as there are colours, the largest
+/// first.
 fn largest(found: &UncertainPrediction) -> Vec<&str> {
     let share = |name: &str| -> f64 { found.outputs.iter().map(|output| of(output, name)).sum() };
     let mut all: Vec<(&str, f64)> =

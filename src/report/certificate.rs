@@ -114,7 +114,8 @@ pub fn certificate(report: &CalibrationReport, pictures: &[(String, String)]) ->
     (markdown(&parts), html(&report.title, &parts))
 }
 
-/// Pictures of all impacts: the force, and under it what the voltage alone would say; file names and contents.
+/// Pictures of all impacts: the force, and under it what the voltage alone would say; file names
+/// and contents.
 pub fn pictures(found: &Calibration, report: &CalibrationReport) -> Vec<(String, String)> {
     let picture = |(result, told): (&ImpactResult, &ImpactReport)| {
         let name = format!("impact-{}.svg", told.number);

@@ -158,7 +158,8 @@ fn curve(trace: &Trace, name: &str) -> Curve {
     }
 }
 
-/// The comparison as a document; pictures are called `<stem>-CH1.svg` and `<stem>-CH1-difference.svg`.
+/// The comparison as a document; pictures are called `<stem>-CH1.svg` and
+/// `<stem>-CH1-difference.svg`.
 pub fn comparison_parts(compared: &Compared, stem: &str) -> Vec<Part> {
     let comparison = &compared.comparison;
     let mut parts = vec![
@@ -193,7 +194,8 @@ pub fn comparison_parts(compared: &Compared, stem: &str) -> Vec<Part> {
     parts
 }
 
-/// The comparison as facts for a recording's metadata: `hertzscope:comparison`, and a group a channel.
+/// The comparison as facts for a recording's metadata: `hertzscope:comparison`, and a group a
+/// channel.
 pub fn comparison_facts(comparison: &Comparison) -> BTreeMap<String, BTreeMap<String, String>> {
     let flat = |value: serde_json::Value| -> BTreeMap<String, String> {
         let serde_json::Value::Object(fields) = value else { return BTreeMap::new() };

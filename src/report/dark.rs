@@ -3,7 +3,8 @@
 /// Darkest and lightest grey of the dark pictures, of 255.
 const ENDS: (f64, f64) = (16.0, 228.0);
 
-/// The picture `svg` with the lightness of all its colours turned round: hues stay, and with them what the legend names.
+/// The picture `svg` with the lightness of all its colours turned round: hues stay, and with them
+/// what the legend names.
 pub fn on_dark(svg: &str) -> String {
     // Text without a colour of its own is black.
     let svg = svg.replacen("<svg ", "<svg fill=\"#000000\" ", 1);
@@ -32,7 +33,8 @@ fn colour(value: &str) -> Option<[f64; 3]> {
     Some([red, green, blue].map(f64::from))
 }
 
-/// `L` becomes `1 - L` (HSL) at the same hue and saturation: `c + 1 - max - min` for each part, then between both ends.
+/// `L` becomes `1 - L` (HSL) at the same hue and saturation: `c + 1 - max - min` for each part,
+/// then between both ends.
 fn turned(parts: [f64; 3]) -> String {
     let high = parts.into_iter().fold(0.0, f64::max);
     let low = parts.into_iter().fold(255.0, f64::min);
@@ -49,7 +51,8 @@ mod tests {
     fn hues_stay_and_lightness_turns_round() {
         let svg = "<svg viewBox=\"0 0 1 1\"><rect fill=\"#ffffff\"/><path d=\"M0 0\" stroke=\"#0072b2\"/><text>a=\"b\"</text></svg>";
         let dark = on_dark(svg);
-        // By hand: white and black are the ends; 0, 114, 178 turn to 77, 191, 255, then between the ends.
+        // By hand: white and black are the ends; 0, 114, 178 turn to 77, 191, 255, then between the
+        // ends.
         for colour in ["fill=\"rgb(228,228,228)\" v", "fill=\"rgb(16,16,16)\"", "rgb(80,175,228)"] {
             assert!(dark.contains(colour), "{colour} in {dark}");
         }

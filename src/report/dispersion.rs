@@ -1,4 +1,5 @@
-//! The dispersion relation of a chain with measured waves on it: as a page of text and as a picture.
+//! The dispersion relation of a chain with measured waves on it: as a page of text and as a
+//! picture.
 
 use std::f64::consts::PI;
 

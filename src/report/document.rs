@@ -1,4 +1,5 @@
-//! A document of headings, paragraphs, tables and pictures, as Markdown or as a page of HTML that stands alone.
+//! A document of headings, paragraphs, tables and pictures, as Markdown or as a page of HTML that
+//! stands alone.
 
 use std::fmt::Write as _;
 

@@ -113,7 +113,8 @@ fn signed(value: f64, decimals: usize) -> String {
     if text.contains(|c| ('1'..='9').contains(&c)) { text } else { "0".to_owned() }
 }
 
-/// A relative change in percent, powers of ten where it is small; of one that is smaller than what is `known` (1) no more than that.
+/// A relative change in percent, powers of ten where it is small; of one that is smaller than what
+/// is `known` (1) no more than that.
 fn percent(value: f64, known: f64) -> String {
     if value == 0.0 {
         "0".to_owned()

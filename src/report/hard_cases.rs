@@ -33,7 +33,8 @@ fn percent(share: f64) -> String {
     if percent < 0.1 { "< 0.1 %".to_owned() } else { format!("{percent:.1} %") }
 }
 
-/// The page that `hard-cases` prints; with what makes each case hard, its bound and its tightest figure where `why` is true.
+/// The page that `hard-cases` prints; with what makes each case hard, its bound and its tightest
+/// figure where `why` is true.
 pub fn hard_cases(findings: &[CaseResult], why: bool) -> String {
     let heading = ["case", "checks", "figure", "bound", "figure/bound", "verdict"]
         .map(str::to_owned)

@@ -1,7 +1,8 @@
 //! Text of an SVG picture as outlines of its letters, so that the renderer needs no font.
 //!
-//! It reads the pictures that this program writes: a `<text>` holds words and no further elements, has one `x`, one `y` and a font size of
-//! its own or the picture's, and `text-anchor` is an attribute of the `<text>` itself. Letters are set side by side, by the advance widths of the
+//! It reads the pictures that this program writes: a `<text>` holds words and no further elements,
+//! has one `x`, one `y` and a font size of its own or the picture's, and `text-anchor` is an
+//! attribute of the `<text>` itself. Letters are set side by side, by the advance widths of the
 //! font, which has no kerning.
 
 use std::fmt::Write as _;

@@ -136,7 +136,8 @@ pub struct PointSet<'a> {
     pub colour: &'static str,
 }
 
-/// Curves with points on them as lines of text, from zero in both directions; each point is a cross of five dots.
+/// Curves with points on them as lines of text, from zero in both directions; each point is a cross
+/// of five dots.
 pub fn scatter(
     curves: &[Vec<(f64, f64)>],
     clouds: &[PointSet<'_>],

@@ -1,4 +1,5 @@
-//! Pictures as PNG: SVG drawn at twice its size, its text with the program's own font, so that they look alike on every machine.
+//! Pictures as PNG: SVG drawn at twice its size, its text with the program's own font, so that they
+//! look alike on every machine.
 
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
@@ -65,7 +66,8 @@ mod tests {
     fn pictures_are_drawn_at_twice_their_size_with_their_text() {
         let empty = drawn("");
         assert_eq!((empty.width(), empty.height(), dark(&empty)), (120, 40, 0));
-        // Every sign that axes use has a shape of its own: a font without it would draw nothing, or the same box twice.
+        // Every sign that axes use has a shape of its own: a font without it would draw nothing, or
+        // the same box twice.
         let signs = ["1", "k", "Hz", "µ", "·", "²", "−", "±", "γ", "₁", "≤", "…"];
         let shapes: Vec<Vec<u8>> = signs
             .iter()

@@ -1,4 +1,5 @@
-//! A time-frequency map as characters and as a picture: time to the right, frequency upward, 60 dB from the highest to nothing.
+//! A time-frequency map as characters and as a picture: time to the right, frequency upward, 60 dB
+//! from the highest to nothing.
 
 use super::chart;
 use super::plot;
@@ -32,7 +33,8 @@ pub struct SpectrogramPage {
 }
 
 impl SpectrogramPage {
-    /// Amplitudes in decibels below the highest, the highest of each of `across` times `down` cells; frequency from below.
+    /// Amplitudes in decibels below the highest, the highest of each of `across` times `down`
+    /// cells; frequency from below.
     fn cells(&self, across: usize, down: usize) -> Vec<Vec<f64>> {
         let mut cells = vec![vec![0.0_f64; across]; down];
         let count = self.map.columns.len();

@@ -7,7 +7,8 @@ use crate::analysis::spectrum::SpectralPeak;
 use crate::analysis::spectrum::Spectrum;
 use crate::quantity::engineering;
 
-/// Without band edges the plot ends a little behind the last amplitude higher than this share of the highest (1).
+/// Without band edges the plot ends a little behind the last amplitude higher than this share of
+/// the highest (1).
 const SHOWN_SHARE: f64 = 0.01;
 /// With band edges it ends at this multiple of the highest (1).
 const BAND_MARGIN: f64 = 1.5;

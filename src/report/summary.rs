@@ -175,7 +175,8 @@ fn errors(summary: &Summary) -> Vec<String> {
     lines
 }
 
-/// Where the energy is at the end: what moves, what is stored, what each load holds, and what each loss has taken.
+/// Where the energy is at the end: what moves, what is stored, what each load holds, and what each
+/// loss has taken.
 fn ledger(energy: &EnergyLedger) -> Vec<String> {
     let booked = &energy.dissipated_by_kind;
     let end = &energy.final_by_kind;

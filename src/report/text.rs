@@ -9,7 +9,8 @@ const MIN_FOLDED: usize = 20;
 /// Longest unit that is kept beside its number (characters).
 const MAX_UNIT: usize = 5;
 
-/// Lines of whole words, `width` characters at most where words allow; a number and its unit are one word.
+/// Lines of whole words, `width` characters at most where words allow; a number and its unit are
+/// one word.
 pub fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
@@ -39,7 +40,8 @@ pub fn wrapped(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// The same as lines of a page: what comes first stands before the first of them, and the others as far in.
+/// The same as lines of a page: what comes first stands before the first of them, and the others as
+/// far in.
 pub fn hanging_indent(first: &str, text: &str) -> Vec<String> {
     let indent = first.chars().count();
     let lines = wrapped(text, TERMINAL_WIDTH.saturating_sub(indent));
@@ -47,8 +49,8 @@ pub fn hanging_indent(first: &str, text: &str) -> Vec<String> {
     lines.iter().enumerate().map(|(i, line)| format!("{:indent$}{line}", before(i))).collect()
 }
 
-/// `text` with its labelled lines (`  note  words ...`) wrapped below their words where they are wider than `width`; tables, and
-/// what is no label, stay as they are.
+/// `text` with its labelled lines (`  note  words ...`) wrapped below their words where they are
+/// wider than `width`; tables, and what is no label, stay as they are.
 pub fn folded(text: &str, width: usize) -> String {
     text.split('\n').flat_map(|line| fold(line, width)).collect::<Vec<_>>().join("\n")
 }

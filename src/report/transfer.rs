@@ -39,7 +39,8 @@ pub fn decibels(gain: f64) -> f64 {
 }
 
 impl TransferPage {
-    /// Bands of the chain with their names and edges (Hz); one, up to the highest that is drawn, where the chain is not known.
+    /// Bands of the chain with their names and edges (Hz); one, up to the highest that is drawn,
+    /// where the chain is not known.
     pub fn bands(&self) -> Vec<(&'static str, [f64; 2])> {
         match &self.chain {
             Some(chain) => {

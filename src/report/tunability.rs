@@ -1,4 +1,5 @@
-//! Maps of what a chain lets pass over a knob: shades and numbers for a terminal, sheets for a picture.
+//! Maps of what a chain lets pass over a knob: shades and numbers for a terminal, sheets for a
+//! picture.
 
 use super::sheet::{Axis, COLOURS, Plot, Polyline, ShadedMap, Sheet, Stroke, sheet_svg};
 use super::table;
@@ -26,7 +27,8 @@ const EDGES: [Edge; 3] = [
     ("f3", DiatomicChain::cutoff),
 ];
 
-/// The spectrum in decibels below its highest line, the highest of each of `rows` bands of frequency up to 20 kHz (dB).
+/// The spectrum in decibels below its highest line, the highest of each of `rows` bands of
+/// frequency up to 20 kHz (dB).
 pub fn transmitted(point: &TunedPoint, rows: usize) -> Vec<f64> {
     let mut highest = vec![0.0_f64; rows];
     for (bin, amplitude) in point.transmitted.amplitude.iter().enumerate() {

@@ -1,4 +1,5 @@
-//! Intervals, bands and budgets of uncertain scenes, and normalised errors, as pages of text and pictures.
+//! Intervals, bands and budgets of uncertain scenes, and normalised errors, as pages of text and
+//! pictures.
 
 use super::chart::{Under, charts_over};
 use super::number::with_expanded;
@@ -197,7 +198,8 @@ pub fn normalised_error_lines(errors: &[NormalisedError]) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// Both edges of the area keep their waves: they are thinned one by one, each from left to right.
+    /// Both edges of the area keep their waves: they are thinned one by one, each from left to
+    /// right.
     #[test]
     fn a_band_has_two_edges() {
         let wave = |by: f64| (0..5000).map(|i| by + (f64::from(i) / 300.0).sin()).collect();

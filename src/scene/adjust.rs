@@ -1,8 +1,9 @@
-//! A scene whose numbers can be turned: each by its path in the file, `striker.speed`, `materials.ptfe.youngs_modulus`,
-//! `sensors.*.sensitivity`.
+//! A scene whose numbers can be turned: each by its path in the file, `striker.speed`,
+//! `materials.ptfe.youngs_modulus`, `sensors.*.sensitivity`.
 //!
-//! Paths reach what the scene says itself, what it stands on, and what its instrument files say; a material's constants although they
-//! stand in a file of their own, and a sensor's sensitivity although it follows from plate and cable.
+//! Paths reach what the scene says itself, what it stands on, and what its instrument files say; a
+//! material's constants although they stand in a file of their own, and a sensor's sensitivity
+//! although it follows from plate and cable.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -218,14 +219,16 @@ impl Adjustable {
         Ok(())
     }
 
-    /// Whether `path` leads through a table that a derived scene has switched off (`magnet_preload = false`).
+    /// Whether `path` leads through a table that a derived scene has switched off
+    /// (`magnet_preload = false`).
     pub fn is_switched_off(&self, path: &str) -> bool {
         let keys: Vec<&str> = path.split('.').collect();
         let is_off = |end| at(&self.loaded.root, &keys[..end]).map(|node| &node.value);
         (1..keys.len()).any(|end| matches!(is_off(end), Some(Value::Flag(false))))
     }
 
-    /// A scene that stands on this one and has other values, as text; each with how many digits of it count.
+    /// A scene that stands on this one and has other values, as text; each with how many digits of
+    /// it count.
     pub fn derived(&self, values: &[(&AdjustableNumber, f64, usize)], title: &str) -> String {
         let mut tables: BTreeMap<String, BTreeMap<String, String>> = BTreeMap::new();
         for (knob, value, decimals) in values {
@@ -274,7 +277,8 @@ impl AdjustableNumber {
     }
 }
 
-/// Voltage per force that sensor `index` has at the input it is wired to, from its data alone (V/N).
+/// Voltage per force that sensor `index` has at the input it is wired to, from its data alone
+/// (V/N).
 fn sensitivity(scene: &Scene, index: usize) -> f64 {
     let Some(placed) = scene.sensors.get(index) else { return f64::NAN };
     let model = &scene.scope.model;

@@ -17,8 +17,8 @@ use crate::sensor::Load;
 /// The keys of a scope's channels.
 const CHANNELS: [&str; 4] = ["ch1", "ch2", "ch3", "ch4"];
 
-/// A front panel that was read before. Of the scenes of a sweep few have one of their own, and reading it takes longer than anything else
-/// about them.
+/// A front panel that was read before. Of the scenes of a sweep few have one of their own, and
+/// reading it takes longer than anything else about them.
 #[derive(Debug, Clone)]
 pub struct CachedPanel {
     /// The table that it was read from.
@@ -52,8 +52,8 @@ impl CachedPanel {
     }
 }
 
-/// The front panel of a scene, with the front end's noise (div), and its errors drawn from a seed, if any; it is `panel` where that was read
-/// from the same.
+/// The front panel of a scene, with the front end's noise (div), and its errors drawn from a seed,
+/// if any; it is `panel` where that was read from the same.
 pub fn drawn(
     root: &TableReader<'_>,
     (noise, errors_of): (f64, Option<u64>),
@@ -84,7 +84,8 @@ pub fn drawn(
     Some(setup)
 }
 
-/// Reads `[scope]`, without noise. Where the model cannot be read, everything but its limits is checked still.
+/// Reads `[scope]`, without noise. Where the model cannot be read, everything but its limits is
+/// checked still.
 fn scope(table: &TableReader<'_>, sensors: &[&str], duration: Option<f64>) -> Option<Setup> {
     let model = oscilloscope::model(table);
     let time_base = table.required("time_base", Dimension::TIME_PER_DIVISION, Bound::Positive);

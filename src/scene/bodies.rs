@@ -11,11 +11,13 @@ use crate::chain::{Body, Chain, ChainError, ChainSpec, Elasticity, End};
 use crate::note::Note;
 use crate::quantity::{Dimension, engineering};
 
-/// Most particles a chain may have: a recording has a topic for each bead and each contact, and room for 65535.
+/// Most particles a chain may have: a recording has a topic for each bead and each contact, and
+/// room for 65535.
 const MAX_PARTICLES: usize = 30_000;
 
-/// A mass that differs from that of its shape and its material's density by more than this factor is noted: holes and wrong diameters make less, wrong units
-/// A body wider than this has probably the wrong unit (m).
+/// A mass that differs from that of its shape and its material's density by more than this factor
+/// is noted: holes and wrong diameters make less, wrong units A body wider than this has probably
+/// the wrong unit (m).
 const LARGE_BODY: f64 = 0.1;
 /// and materials more (1).
 const MAX_MASS_RATIO: f64 = 1.3;
@@ -85,8 +87,9 @@ fn material(table: &TableReader<'_>) -> Option<Material> {
     Some(Material { elasticity, yield_strength, density })
 }
 
-/// Reads a body: material, mass, and its shape. A diameter makes a sphere, a height in addition a cylinder with flat
-/// faces; without either the faces are flat and the length is zero. Without a mass it is that of the shape and the material's density.
+/// Reads a body: material, mass, and its shape. A diameter makes a sphere, a height in addition a
+/// cylinder with flat faces; without either the faces are flat and the length is zero. Without a
+/// mass it is that of the shape and the material's density.
 fn body(
     table: &TableReader<'_>,
     name: &str,
@@ -236,13 +239,15 @@ pub fn particles<'a>(
         chain.problem("segments", "no particles", "at least one [[chain.segments]]");
     }
     if !complete {
-        // How long the chain was meant to be is not known, so nothing can be said against a particle's number.
+        // How long the chain was meant to be is not known, so nothing can be said against a
+        // particle's number.
         particles.kinds.clear();
     }
     particles
 }
 
-/// The end of a chain: `"free"`, `{ wall = "steel" }` or `{ force = "2 N" }`; a wall may press with a `preload`.
+/// The end of a chain: `"free"`, `{ wall = "steel" }` or `{ force = "2 N" }`; a wall may press with
+/// a `preload`.
 pub fn end(
     chain: &TableReader<'_>,
     key: &'static str,
@@ -327,7 +332,8 @@ pub fn initial_velocities(
     velocities
 }
 
-/// Puts the chain together; what does not fit is a problem of `[chain]`, or of the magnet among the `effects`.
+/// Puts the chain together; what does not fit is a problem of `[chain]`, or of the magnet among the
+/// `effects`.
 pub fn assemble(
     spec: &ChainSpec,
     chain: &TableReader<'_>,

@@ -9,7 +9,8 @@ pub enum Bound {
     Positive,
     /// Zero or above.
     NotNegative,
-    /// Above zero, and within what fits on a bench: a wrong unit becomes an error that names its line.
+    /// Above zero, and within what fits on a bench: a wrong unit becomes an error that names its
+    /// line.
     Bench(
         /// Lower limit, in the unit of what it bounds (unit).
         f64,

@@ -1,7 +1,8 @@
-//! Distances along the chain at rest: the one function that `run`, `arrivals`, `compare`, sweeps and the screen's cursors share.
+//! Distances along the chain at rest: the one function that `run`, `arrivals`, `compare`, sweeps
+//! and the screen's cursors share.
 //!
-//! `d = sum of lengths - sum of static overlaps + o2 L2 - o1 L1`, offsets `o` of the plates in lengths `L` of their hosts, downward
-//! positive; `u(d)^2 = (u(o1) L1)^2 + (u(o2) L2)^2`.
+//! `d = sum of lengths - sum of static overlaps + o2 L2 - o1 L1`, offsets `o` of the plates in
+//! lengths `L` of their hosts, downward positive; `u(d)^2 = (u(o1) L1)^2 + (u(o2) L2)^2`.
 
 use crate::chain::Chain;
 
@@ -26,7 +27,8 @@ pub struct PlatePlace {
 }
 
 impl PlatePlace {
-    /// Height above the bottom wall, and its standard uncertainty; none for a particle that the chain does not have (m).
+    /// Height above the bottom wall, and its standard uncertainty; none for a particle that the
+    /// chain does not have (m).
     fn height(self, chain: &Chain) -> Option<(f64, f64)> {
         let Site::Particle(particle) = self.site else { return Some((0.0, 0.0)) };
         if !(1..=chain.particles()).contains(&particle) {
@@ -38,7 +40,8 @@ impl PlatePlace {
     }
 }
 
-/// Distance down `chain` at rest between two plates, negative upward, and its standard uncertainty (m).
+/// Distance down `chain` at rest between two plates, negative upward, and its standard uncertainty
+/// (m).
 pub fn distance(chain: &Chain, from: PlatePlace, to: PlatePlace) -> Option<(f64, f64)> {
     let (from, to) = (from.height(chain)?, to.height(chain)?);
     Some((from.0 - to.0, from.1.hypot(to.1)))

@@ -1,8 +1,9 @@
 //! TOML text as a tree in which every value knows its file, line and column.
 //!
-//! A scene may stand on another (`base = "magnet-0.61g"`): tables are merged key by key, everything else is
-//! replaced, and each value keeps the place where it was typed. Copies share what they have in common: the scenes of a sweep differ in
-//! a few values, and copying all others took as long as following their chains.
+//! A scene may stand on another (`base = "magnet-0.61g"`): tables are merged key by key, everything
+//! else is replaced, and each value keeps the place where it was typed. Copies share what they have
+//! in common: the scenes of a sweep differ in a few values, and copying all others took as long as
+//! following their chains.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;

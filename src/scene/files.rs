@@ -17,8 +17,8 @@ use crate::data;
 const MAX_TEXT_BYTES: u64 = 16 * 1024 * 1024;
 
 thread_local! {
-    /// The instruments that ship and have been read: a sweep reads the same few thousands of times, and parsing them costs more than
-    /// anything else about a scene.
+    /// The instruments that ship and have been read: a sweep reads the same few thousands of times,
+    /// and parsing them costs more than anything else about a scene.
     static SHIPPED: RefCell<Vec<Shipped>> = const { RefCell::new(Vec::new()) };
 }
 
@@ -29,7 +29,8 @@ struct Shipped {
     node: Rc<Node>,
 }
 
-/// The tree of the instrument `kind/name` that ships with the program; none if there is no such one, or if `name` is a path.
+/// The tree of the instrument `kind/name` that ships with the program; none if there is no such
+/// one, or if `name` is a path.
 pub(super) fn shipped(kind: &str, name: &str) -> Option<Rc<Node>> {
     if name.contains(['/', '\\']) {
         return None;
@@ -73,7 +74,8 @@ pub(super) fn read_text(path: &Path, file: &str) -> Result<String, SceneError> {
     })
 }
 
-/// The scene's own text, those of the scenes and instruments it stands on, and the constants it names.
+/// The scene's own text, those of the scenes and instruments it stands on, and the constants it
+/// names.
 #[derive(Debug, Clone, Default)]
 pub struct Texts {
     all: Vec<Arc<str>>,
@@ -94,7 +96,8 @@ impl Texts {
         self.hash = OnceLock::new();
     }
 
-    /// SHA-256 over all of them, in hexadecimal. Computed when first asked for: a run that keeps no record needs none.
+    /// SHA-256 over all of them, in hexadecimal. Computed when first asked for: a run that keeps no
+    /// record needs none.
     pub fn hash(&self) -> &str {
         self.hash.get_or_init(|| {
             let mut hash = Sha256::new();

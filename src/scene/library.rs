@@ -1,7 +1,7 @@
 //! Finds scenes and instruments by name or path, and puts each on what it stands on.
 //!
-//! A name is looked up among the embedded files; a text with a path separator or ending in `.toml` is a file, relative to
-//! the one that names it.
+//! A name is looked up among the embedded files; a text with a path separator or ending in `.toml`
+//! is a file, relative to the one that names it.
 
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -45,7 +45,8 @@ pub struct LoadedScene {
     pub texts: Texts,
     /// The merged tree.
     pub root: Node,
-    /// Instrument files that are not there or no TOML; one that ships stands in for each, so that the rest can be checked.
+    /// Instrument files that are not there or no TOML; one that ships stands in for each, so that
+    /// the rest can be checked.
     pub problems: Vec<Problem>,
 }
 
@@ -65,7 +66,8 @@ pub fn load(name: &str) -> Result<LoadedScene, SceneError> {
     assembled(short, text, &file, &origin)
 }
 
-/// Puts the scene `text`, which a recording carries as `file`, on what it stands on among the embedded files.
+/// Puts the scene `text`, which a recording carries as `file`, on what it stands on among the
+/// embedded files.
 ///
 /// # Errors
 /// [`SceneError`] when the text is no TOML or stands on what is not there.
@@ -114,7 +116,8 @@ pub fn instrument(
     }
 }
 
-/// The tree of an instrument file that a user names, by its name or path; none if there is no such file.
+/// The tree of an instrument file that a user names, by its name or path; none if there is no such
+/// file.
 ///
 /// # Errors
 /// [`SceneError`] when it cannot be read or is no TOML.
@@ -123,7 +126,8 @@ pub fn open(kind: &str, name: &str) -> Result<Option<Node>, SceneError> {
     found.map(|(text, file, _)| Node::parse(&file, &text).map_err(SceneError::Problems)).transpose()
 }
 
-/// Refuses a name typed at the command line that is neither an included instrument of this `kind` nor a file.
+/// Refuses a name typed at the command line that is neither an included instrument of this `kind`
+/// nor a file.
 ///
 /// # Errors
 /// [`SceneError::NoInstrument`], or as reading a file.
@@ -174,7 +178,8 @@ impl Library {
         let (base_text, base_file, base_origin) =
             found.ok_or_else(|| wrong(format!("\"{base}\", which does not exist")))?;
         let below = self.assemble(&base_text, &base_file, &base_origin, depth + 1)?;
-        // Models go in before merging, so that naming another model replaces all the first one said.
+        // Models go in before merging, so that naming another model replaces all the first one
+        // said.
         self.insert_models(&mut root);
         let mut below = below;
         remove_replaced_models(&root, &mut below);
@@ -183,7 +188,8 @@ impl Library {
         Ok(root)
     }
 
-    /// Adds the texts of materials and ceramics. They are looked up again where their numbers are read.
+    /// Adds the texts of materials and ceramics. They are looked up again where their numbers are
+    /// read.
     fn add_constants(&mut self, node: &Node) {
         let table = match &node.value {
             Value::Table(table) => table,
@@ -253,7 +259,8 @@ impl Library {
     }
 }
 
-/// Takes away what the model of a sensor or magnet said below where another model is named above: half of each would be neither.
+/// Takes away what the model of a sensor or magnet said below where another model is named above:
+/// half of each would be neither.
 fn remove_replaced_models(above: &Node, below: &mut Node) {
     let child = |node: &Node, key: &str| match &node.value {
         Value::Table(table) => table.get(key).map(|entry| entry.node.clone()),
@@ -284,7 +291,8 @@ fn remove_replaced_ends(above: &Node, below: &mut Node) {
     }
 }
 
-/// Takes away what the model said that this table names, so that another's can take its place; what the scene says itself stays.
+/// Takes away what the model said that this table names, so that another's can take its place; what
+/// the scene says itself stays.
 pub fn remove_model(table: &mut Node, kind: &str) {
     let Some((model, place)) = table.text("model") else { return };
     let Ok(file) = instrument(kind, model, place, "") else { return };
@@ -293,7 +301,8 @@ pub fn remove_model(table: &mut Node, kind: &str) {
     }
 }
 
-/// An instrument of this kind that ships: without one, every key of a missing file would be missing as well.
+/// An instrument of this kind that ships: without one, every key of a missing file would be missing
+/// as well.
 fn stand_in(kind: &str) -> Option<Node> {
     let name = *data::instrument_names(kind).first()?;
     Node::parse(name, data::instrument(kind, name)?).ok()

@@ -1,4 +1,5 @@
-//! Losses in the contacts: `[effects.dashpot]`, `[effects.kuwabara_kono]` and `[effects.power_law_loss]`.
+//! Losses in the contacts: `[effects.dashpot]`, `[effects.kuwabara_kono]` and
+//! `[effects.power_law_loss]`.
 
 use super::reader::effect;
 use super::reader::{Bound, TableReader};
@@ -19,7 +20,8 @@ const EXPONENTS: Bound = Bound::Within(1.0, 5.0);
 /// A coefficient's key, dimension and range.
 type Coefficient = (&'static str, Dimension, Bound);
 
-/// Reads the losses into `spec`. `kinds` are the kinds of particles that stand beside each other, with "striker" and "wall".
+/// Reads the losses into `spec`. `kinds` are the kinds of particles that stand beside each other,
+/// with "striker" and "wall".
 pub fn losses(effects: &TableReader<'_>, pairs: &[(&str, &str)], spec: &mut EffectsSpec) {
     let mut ends = Vec::new();
     if let Some(table) = effect(effects, "dashpot") {

@@ -12,7 +12,8 @@ use crate::quantity::{Dimension, engineering};
 /// Keys of the position of a ring or table.
 const PLACES: [&str; 3] = ["distance", "distance_unloaded", "force"];
 
-/// Reads both tables into `spec`. A described magnet's force follows the particle unless the scene says otherwise.
+/// Reads both tables into `spec`. A described magnet's force follows the particle unless the scene
+/// says otherwise.
 pub fn magnet(effects: &TableReader<'_>, particles: usize, spec: &mut EffectsSpec) {
     if let Some(table) = effect(effects, "magnet_preload") {
         let force = force(&table);

@@ -1,4 +1,5 @@
-//! Reads the files of `instruments/magnets`: a constant force, a ring with its sphere, or a measured table.
+//! Reads the files of `instruments/magnets`: a constant force, a ring with its sphere, or a
+//! measured table.
 
 use super::document::Node;
 use super::library;

@@ -1,7 +1,8 @@
 //! From the file as typed to a bench that can run, or to the list of everything wrong with it.
 //!
-//! First half of the program's door: `cli` names a scene, `experiment` runs what comes out. [`document`] keeps places,
-//! [`reader`] collects problems, `library` finds files and merges what they stand on, `bodies`, `effects`, `sensors`, `bench` and `oscilloscope` know the keys.
+//! First half of the program's door: `cli` names a scene, `experiment` runs what comes out.
+//! [`document`] keeps places, [`reader`] collects problems, `library` finds files and merges what
+//! they stand on, `bodies`, `effects`, `sensors`, `bench` and `oscilloscope` know the keys.
 
 pub mod adjust;
 mod bench;
@@ -51,7 +52,8 @@ use document::Value;
 use problem::MISSING;
 use reader::{Bound, Problems, TableReader};
 
-/// Accuracy of a scene that names none and whose scope sees no pulse: relative error of first-peak forces and times (1).
+/// Accuracy of a scene that names none and whose scope sees no pulse: relative error of first-peak
+/// forces and times (1).
 pub const DEFAULT_ACCURACY: f64 = 1e-6;
 /// Tightest accuracy that double precision supports over a whole run (1).
 pub const TIGHTEST_ACCURACY: f64 = 1e-11;
@@ -59,7 +61,8 @@ pub const TIGHTEST_ACCURACY: f64 = 1e-11;
 pub const LOOSEST_ACCURACY: f64 = 0.1;
 /// Acceleration by which the weight of a chain without gravity is judged (m/s^2).
 const FREE_FALL: f64 = 9.81;
-/// A chain whose weight is more than this share of what presses its last contact is noted if gravity is off (1).
+/// A chain whose weight is more than this share of what presses its last contact is noted if
+/// gravity is off (1).
 const NOTED_WEIGHT_SHARE: f64 = 0.1;
 /// Largest seed that a scene may name: whole numbers up to here are exact however a file is read.
 const MAX_SEED: u64 = (1 << 53) - 1;
@@ -84,7 +87,8 @@ pub struct Scene {
     pub chain: Chain,
     /// Initial velocity of each body, the striker first (m/s).
     pub initial_velocities: Vec<f64>,
-    /// Standard deviation of the striker's speed from shot to shot, relative to its mean; none where every shot is alike (1).
+    /// Standard deviation of the striker's speed from shot to shot, relative to its mean; none
+    /// where every shot is alike (1).
     pub striker_speed_spread: Option<f64>,
     /// Sensors from top to bottom.
     pub sensors: Vec<PlacedSensor>,
@@ -92,13 +96,16 @@ pub struct Scene {
     pub scope: Setup,
     /// How long the bench is watched after the striker's first contact (s).
     pub duration: f64,
-    /// How often in that time the forces of all contacts and the displacements of all bodies are kept (1).
+    /// How often in that time the forces of all contacts and the displacements of all bodies are
+    /// kept (1).
     pub frames: u32,
-    /// Relative error tolerated in first-peak forces and times; none where it follows from the scope (1).
+    /// Relative error tolerated in first-peak forces and times; none where it follows from the
+    /// scope (1).
     pub accuracy: Option<f64>,
     /// Seed of everything random.
     pub seed: u64,
-    /// Effects that are switched off where nothing would be seen of them (`state = "auto"`), as long as that is not decided.
+    /// Effects that are switched off where nothing would be seen of them (`state = "auto"`), as
+    /// long as that is not decided.
     pub auto: Vec<&'static str>,
     /// Notes: masses that do not go with density and shape, decisions on effects.
     pub notes: Vec<Note>,
@@ -125,7 +132,8 @@ impl Scene {
         Self::checked(library::load_text(name, file, text)?, None)
     }
 
-    /// Checks what was loaded; the front panel is `panel` where nothing has changed that it depends on.
+    /// Checks what was loaded; the front panel is `panel` where nothing has changed that it depends
+    /// on.
     fn checked(
         mut loaded: library::LoadedScene,
         panel: Option<&CachedPanel>,
@@ -289,7 +297,8 @@ fn moving<'a>(root: &TableReader<'a>, problems: &Problems) -> Moving<'a> {
     let spread = effects.as_ref().and_then(|e| effects::striker_speed_spread(e, root));
     let spread = spread.filter(|_| on("striker_speed_spread"));
     let initial_velocities = bodies::initial_velocities(root, striker.as_ref(), count);
-    // A kind that could not be read has already left its problem; half a chain would only add echoes of it.
+    // A kind that could not be read has already left its problem; half a chain would only add
+    // echoes of it.
     let whole =
         particles.bodies.len() == count && count > 0 && (striker.is_some() || !root.has("striker"));
     let built = match (&table, top, bottom) {
@@ -329,7 +338,8 @@ fn moving<'a>(root: &TableReader<'a>, problems: &Problems) -> Moving<'a> {
     }
 }
 
-/// The note on a chain that stands on a wall without gravity, though its weight would add to what presses it.
+/// The note on a chain that stands on a wall without gravity, though its weight would add to what
+/// presses it.
 fn weightless(chain: &Chain) -> Option<Note> {
     let contact = chain.contacts().get(chain.wall_contact()?)?;
     let particles = chain.bodies().iter().skip(usize::from(chain.has_striker()));

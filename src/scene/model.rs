@@ -1,4 +1,5 @@
-//! Parts of an oscilloscope's data file that stand in tables of their own: limits, accuracy, the law of spectra.
+//! Parts of an oscilloscope's data file that stand in tables of their own: limits, accuracy, the
+//! law of spectra.
 
 use super::problem::MISSING;
 use super::reader::{Bound, TableReader};

@@ -1,4 +1,5 @@
-//! An oscilloscope's data file, `instruments/<model>.toml`: the limits that a front panel is checked against.
+//! An oscilloscope's data file, `instruments/<model>.toml`: the limits that a front panel is
+//! checked against.
 
 use super::model;
 use super::model::{MAX_RECORD_LENGTH, series};
@@ -15,8 +16,8 @@ const MAX_SAMPLES: f64 = 2e7;
 /// Rounding error of a division by the probe's attenuation (1).
 const ROUND_OFF: f64 = 1e-12;
 
-/// Reads the keys of an oscilloscope's data file. Every key is asked for before anything is given up, so that all that is
-/// wrong is told at once and nothing right is called unknown.
+/// Reads the keys of an oscilloscope's data file. Every key is asked for before anything is given
+/// up, so that all that is wrong is told at once and nothing right is called unknown.
 pub fn model(table: &TableReader<'_>) -> Option<Model> {
     let what = "the name of an oscilloscope, e.g. \"tds2014\"";
     let named = table.required_text("model", what).is_some();
@@ -98,8 +99,9 @@ pub fn model(table: &TableReader<'_>) -> Option<Model> {
     })
 }
 
-/// A time base that the instrument does not have or that shows nothing of the scene is a mistake, not a setting; so is a
-/// record that begins after the scene or ends before it. `window`: time base (s/div) and horizontal position (s), if read.
+/// A time base that the instrument does not have or that shows nothing of the scene is a mistake,
+/// not a setting; so is a record that begins after the scene or ends before it. `window`: time base
+/// (s/div) and horizontal position (s), if read.
 pub fn check_window(
     table: &TableReader<'_>,
     model: &Model,

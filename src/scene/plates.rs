@@ -1,4 +1,5 @@
-//! The files of `instruments/sensors`: a plate with its wiring, what is known of both from measurement, or both.
+//! The files of `instruments/sensors`: a plate with its wiring, what is known of both from
+//! measurement, or both.
 
 use std::path::Path;
 
@@ -25,7 +26,8 @@ const PLATE_KEYS: [&str; 9] = [
 /// Most plates of a stack.
 const MAX_PLATES: u64 = 1000;
 
-/// Loads a sensor that ships with the program, by name, or a file, by path; none if there is no such sensor.
+/// Loads a sensor that ships with the program, by name, or a file, by path; none if there is no
+/// such sensor.
 ///
 /// # Errors
 /// [`SceneError`]: not readable, or every problem found in its file.

@@ -48,7 +48,8 @@ impl fmt::Display for Problem {
 }
 
 impl Problem {
-    /// Says where a problem in the base of the scene `file` may come from: what stands there fits the base itself.
+    /// Says where a problem in the base of the scene `file` may come from: what stands there fits
+    /// the base itself.
     pub(super) fn stands_below(&mut self, file: &str) {
         if self.file != file {
             let end = if self.expected.is_empty() { &mut self.found } else { &mut self.expected };

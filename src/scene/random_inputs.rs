@@ -1,6 +1,8 @@
-//! The inputs of an uncertain scene: what varies, by how much, and the scene with other values of them.
+//! The inputs of an uncertain scene: what varies, by how much, and the scene with other values of
+//! them.
 //!
-//! Each input is one number, or the numbers of a group, and has a score: how far it is from the middle of its distribution, in its standard uncertainties.
+//! Each input is one number, or the numbers of a group, and has a score: how far it is from the
+//! middle of its distribution, in its standard uncertainties.
 
 use serde::Serialize;
 

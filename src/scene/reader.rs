@@ -1,7 +1,7 @@
 //! Reads typed values out of a table, collecting every problem instead of stopping at the first.
 //!
-//! Each getter returns `None` where the key is absent or wrong; wrong ones leave a [`Problem`](super::Problem). A table that is done
-//! reports keys that were not read.
+//! Each getter returns `None` where the key is absent or wrong; wrong ones leave a
+//! [`Problem`](super::Problem). A table that is done reports keys that were not read.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -29,7 +29,8 @@ fn with_decimal_point(text: &str) -> Option<String> {
     is_decimal.then(|| text.replacen(',', ".", 1))
 }
 
-/// The key among `known` that `key` may be a slip of: two letters wrong at most, and less than half of them.
+/// The key among `known` that `key` may be a slip of: two letters wrong at most, and less than half
+/// of them.
 fn similar<'k>(key: &str, known: &[&'k str]) -> Option<&'k str> {
     let distance = |name: &str| strsim::damerau_levenshtein(key, name);
     let near = known.iter().copied().min_by_key(|name| distance(name))?;
@@ -121,7 +122,8 @@ impl<'a> TableReader<'a> {
         self.read(key, dimension, bound, quantity::parse)
     }
 
-    /// A difference of two quantities, such as a change of temperature, as a number of SI units (unit).
+    /// A difference of two quantities, such as a change of temperature, as a number of SI units
+    /// (unit).
     pub fn difference(&self, key: &'static str, dimension: Dimension, bound: Bound) -> Option<f64> {
         self.read(key, dimension, bound, quantity::parse_difference)
     }

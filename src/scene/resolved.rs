@@ -1,7 +1,8 @@
 //! A scene with its base and every default, as a scene again: what `hertzscope show` prints.
 //!
-//! Defaults are those of the annotated scene `instruments/help/scene.toml`: lines whose comment begins with `default`, followed by the
-//! value where that is another than the line's. Tests hold that the result is the same scene.
+//! Defaults are those of the annotated scene `instruments/help/scene.toml`: lines whose comment
+//! begins with `default`, followed by the value where that is another than the line's. Tests hold
+//! that the result is the same scene.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;

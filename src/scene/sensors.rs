@@ -2,8 +2,9 @@
 //!
 //! How well the gain of a scope's channel is known when its volts become newtons.
 //!
-//! A data sheet's limit `a` counts as a rectangular distribution, `u = a/sqrt(3)` (JCGM 100:2008, 4.3.7). A sensor that was calibrated with its
-//! channel as one chain carries that channel's gain: at the same channel and range nothing is added, elsewhere both gains count.
+//! A data sheet's limit `a` counts as a rectangular distribution, `u = a/sqrt(3)` (JCGM 100:2008,
+//! 4.3.7). A sensor that was calibrated with its channel as one chain carries that channel's gain:
+//! at the same channel and range nothing is added, elsewhere both gains count.
 
 use super::bodies::last_particle;
 use super::distance::{PlatePlace, Site};
@@ -13,7 +14,8 @@ use crate::quantity::Dimension;
 use crate::scope::{Model, VerticalSetup};
 use crate::sensor::{InChain, Sensor, SensorTolerance};
 
-/// Most sensors of a scene: each is a trace of the truth, and all of a run's traces are in memory at once.
+/// Most sensors of a scene: each is a trace of the truth, and all of a run's traces are in memory
+/// at once.
 const MOST_SENSORS: usize = 1000;
 
 /// A sensor in its place.
@@ -23,7 +25,8 @@ pub struct PlacedSensor {
     pub name: String,
     /// Where it sits.
     pub site: Site,
-    /// Distance from the particle's centre in particle lengths, downward positive; 0.5 feels the contact below alone (1).
+    /// Distance from the particle's centre in particle lengths, downward positive; 0.5 feels the
+    /// contact below alone (1).
     pub offset: f64,
     /// Standard uncertainty of the offset, from the scene's `[uncertainty]` (1).
     pub offset_u: f64,
@@ -174,7 +177,8 @@ pub fn sensor_names<'a>(root: &TableReader<'a>) -> Vec<&'a str> {
     root.tables("sensors").into_iter().map(|(name, _)| name).collect()
 }
 
-/// Relative standard uncertainty of the gain of channel `number`, set as `vertical`, for a sensor that was calibrated in `chain` (1).
+/// Relative standard uncertainty of the gain of channel `number`, set as `vertical`, for a sensor
+/// that was calibrated in `chain` (1).
 pub fn gain_u(model: &Model, number: u8, vertical: &VerticalSetup, chain: Option<InChain>) -> f64 {
     let of = |scale: f64| model.accuracy.gain_at(scale / vertical.probe) / 3f64.sqrt();
     match chain {

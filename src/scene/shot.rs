@@ -15,7 +15,8 @@ use crate::sensor::{Circuit, Load};
 const STRIKER_STREAM: u8 = 5;
 
 impl Scene {
-    /// The circuit that sensor `index` really forms with `channel`'s input: with a tolerance, not the one its data tell.
+    /// The circuit that sensor `index` really forms with `channel`'s input: with a tolerance, not
+    /// the one its data tell.
     pub fn circuit(&self, index: usize, channel: &ChannelSetup) -> Option<Circuit> {
         self.circuit_into(index, input_load(&self.scope.model, channel))
     }
@@ -30,18 +31,21 @@ impl Scene {
         })
     }
 
-    /// Distance down the chain at rest between two plates, negative upward, and its standard uncertainty (m).
+    /// Distance down the chain at rest between two plates, negative upward, and its standard
+    /// uncertainty (m).
     pub fn distance(&self, from: PlatePlace, to: PlatePlace) -> Option<(f64, f64)> {
         distance(&self.chain, from, to)
     }
 
-    /// The speed at which the striker first touches the chain, before any spread; none without a striker (m/s).
+    /// The speed at which the striker first touches the chain, before any spread; none without a
+    /// striker (m/s).
     pub fn striker_speed(&self) -> Option<f64> {
         self.spec.striker.as_ref().and_then(|_| self.initial_velocities.first().copied())
     }
 
-    /// The same bench with another striker's mass (kg) and speed (m/s) and another force of the magnet (N), which is moved to
-    /// where it pulls so hard, each where there is one; none leaves what is there. [`Scene::text`] still tells the bench as typed.
+    /// The same bench with another striker's mass (kg) and speed (m/s) and another force of the
+    /// magnet (N), which is moved to where it pulls so hard, each where there is one; none leaves
+    /// what is there. [`Scene::text`] still tells the bench as typed.
     ///
     /// # Errors
     /// [`ChainError`] where no such chain is at rest.
@@ -87,12 +91,14 @@ impl Scene {
         Cow::Owned(own)
     }
 
-    /// Velocity of each body at the first contact of shot `shot`: the striker's speed is drawn from the seed where the scene
-    /// spreads it, from a log-normal distribution with the scene's speed as its mean (m/s).
+    /// Velocity of each body at the first contact of shot `shot`: the striker's speed is drawn from
+    /// the seed where the scene spreads it, from a log-normal distribution with the scene's speed
+    /// as its mean (m/s).
     pub fn velocities(&self, shot: u32) -> Vec<f64> {
         let mut velocities = self.initial_velocities.clone();
         if let (Some(speed), Some(spread)) = (velocities.first_mut(), self.striker_speed_spread) {
-            // Mean 1 and standard deviation `spread`: sigma^2 = ln(1 + spread^2), mu = -sigma^2/2. Never backward.
+            // Mean 1 and standard deviation `spread`: sigma^2 = ln(1 + spread^2), mu = -sigma^2/2.
+            // Never backward.
             let variance = (spread * spread).ln_1p();
             let mut stream = noise_stream(self.seed, shot, STRIKER_STREAM);
             let draw: f64 = StandardNormal.sample(&mut stream);

@@ -1,11 +1,13 @@
-//! Rows of a chain whose repetitions differ in size: `diameter = { from, to }`, in even steps, or `factor`, each so many times as large
-//! as the one before. A body scales as a whole: its length with the size, its mass with the cube.
+//! Rows of a chain whose repetitions differ in size: `diameter = { from, to }`, in even steps, or
+//! `factor`, each so many times as large as the one before. A body scales as a whole: its length
+//! with the size, its mass with the cube.
 
 use super::document::Value;
 use super::reader::{Bound, TableReader};
 use crate::quantity::Dimension;
 
-/// How large each repetition of a row is, in sizes of its kinds; empty where all are alike, none where it is wrong.
+/// How large each repetition of a row is, in sizes of its kinds; empty where all are alike, none
+/// where it is wrong.
 pub(super) fn sizes(
     segment: &TableReader<'_>,
     repeat: usize,

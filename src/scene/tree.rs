@@ -1,4 +1,5 @@
-//! Paths through a scene's tree: finding, inserting, and what `*` stands for. A number is a place in a list, counted from 1.
+//! Paths through a scene's tree: finding, inserting, and what `*` stands for. A number is a place
+//! in a list, counted from 1.
 
 use std::rc::Rc;
 
@@ -36,8 +37,8 @@ pub(super) fn insert(node: &mut Node, keys: &[&str], value: Value) {
     put(node, keys, Node { place, value });
 }
 
-/// Puts `new` at the path, creating the tables on the way; false where it cannot: a list is not made longer, and what is
-/// no table has nothing in it.
+/// Puts `new` at the path, creating the tables on the way; false where it cannot: a list is not
+/// made longer, and what is no table has nothing in it.
 pub(super) fn put(node: &mut Node, keys: &[&str], new: Node) -> bool {
     let Some((first, rest)) = keys.split_first() else {
         *node = new;

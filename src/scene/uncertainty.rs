@@ -1,7 +1,8 @@
 //! `[uncertainty]`: what a scene does not know exactly, each number by its path.
 //!
-//! A text or number is a standard uncertainty; a table says a distribution (`standard`, `half_width`, or `between`), a `group` of inputs
-//! that vary together, and a `source`. `%` and `ppm` are shares of the value, everything else is in the value's own unit.
+//! A text or number is a standard uncertainty; a table says a distribution (`standard`,
+//! `half_width`, or `between`), a `group` of inputs that vary together, and a `source`. `%` and
+//! `ppm` are shares of the value, everything else is in the value's own unit.
 
 use super::document::{DISTRIBUTION_KEYS, Entries, Node, Value};
 use super::reader::{Problems, TableReader};
@@ -68,7 +69,8 @@ pub fn uncertainty(root: &TableReader<'_>, problems: &Problems) -> Vec<Uncertain
     found
 }
 
-/// Whether `keys` lead to something in the scene, or to what follows from it, or through a table that is switched off.
+/// Whether `keys` lead to something in the scene, or to what follows from it, or through a table
+/// that is switched off.
 fn is_known(entries: &Entries, keys: &[&str]) -> bool {
     match keys {
         ["materials", ..] | ["sensors", _, "offset" | "host_mass" | "sensitivity"] | [] => true,

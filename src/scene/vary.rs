@@ -1,4 +1,5 @@
-//! A scene with anything in it replaced: numbers, names of models, lists, whole tables. What a sweep makes its scenes from.
+//! A scene with anything in it replaced: numbers, names of models, lists, whole tables. What a
+//! sweep makes its scenes from.
 
 use super::Scene;
 use super::adjust::{AdjustError, Adjustable};
@@ -18,10 +19,12 @@ pub struct SceneOverride<'a> {
 }
 
 impl Adjustable {
-    /// The paths that `path` means: `*` is every name there is. A path without it may lead to what the scene leaves out.
+    /// The paths that `path` means: `*` is every name there is. A path without it may lead to what
+    /// the scene leaves out.
     ///
     /// # Errors
-    /// [`AdjustError::Nothing`] where `*` finds no name, and [`AdjustError::Scene`] where the scene itself is wrong.
+    /// [`AdjustError::Nothing`] where `*` finds no name, and [`AdjustError::Scene`] where the scene
+    /// itself is wrong.
     pub fn paths(&mut self, path: &str) -> Result<Vec<String>, AdjustError> {
         let keys: Vec<&str> = path.split('.').map(str::trim).collect();
         self.lay_open(&keys)?;

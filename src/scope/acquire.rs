@@ -12,7 +12,8 @@ use super::waveform::{
 
 /// How much larger a crossing must be where small ones are rejected (1).
 const NOISE_REJECT_FACTOR: f64 = 2.0;
-/// Samples of a sinc on either side of a point when a record is denser than the converter's samples.
+/// Samples of a sinc on either side of a point when a record is denser than the converter's
+/// samples.
 const SINC_REACH: i64 = 10;
 
 /// Where a trigger was found.
@@ -24,18 +25,18 @@ pub struct TriggerPosition {
     pub crossed: bool,
 }
 
-/// Samples that must have been taken before a trigger is accepted: the record's part before it, and what interpolation
-/// reaches for.
+/// Samples that must have been taken before a trigger is accepted: the record's part before it, and
+/// what interpolation reaches for.
 pub fn before_trigger(setup: &Setup) -> usize {
     let (start, _) = setup.record_span();
     let samples = (-start / setup.signal_interval()).ceil();
     if samples > 0.0 { samples as usize + SINC_REACH as usize } else { 0 }
 }
 
-/// First sample at which the conditioned source `signal` (V) has crossed the trigger level in the right direction,
-/// having been `hysteresis` beyond it before. A crossing before sample
-/// `earliest` does not count: the part of the record before the trigger is not full yet. Without one, automatic mode triggers at
-/// `automatic`.
+/// First sample at which the conditioned source `signal` (V) has crossed the trigger level in the
+/// right direction, having been `hysteresis` beyond it before. A crossing before sample `earliest`
+/// does not count: the part of the record before the trigger is not full yet. Without one,
+/// automatic mode triggers at `automatic`.
 pub fn find_trigger(
     setup: &Setup,
     scale: f64,
@@ -86,8 +87,9 @@ pub fn level(vertical: &VerticalSetup, volts: f64) -> i16 {
     level.clamp(f64::from(LOWEST_CODE), f64::from(HIGHEST_CODE)) as i16
 }
 
-/// The record of one channel around the trigger sample `trigger` of its conditioned `signal` (V), whose samples come
-/// every [`Setup::signal_interval`]. Points beyond the signal hold its nearest sample.
+/// The record of one channel around the trigger sample `trigger` of its conditioned `signal` (V),
+/// whose samples come every [`Setup::signal_interval`]. Points beyond the signal hold its nearest
+/// sample.
 pub fn digitise(
     setup: &Setup,
     source: Source,
@@ -152,7 +154,8 @@ fn envelope(mut record: Waveform, setup: &Setup, signal: &[f64], trigger: usize)
     record
 }
 
-/// Folds record `number` (counted from 1) of an average of up to `depth` into the mean of those before, in levels.
+/// Folds record `number` (counted from 1) of an average of up to `depth` into the mean of those
+/// before, in levels.
 pub fn fold_average(mean: &mut Vec<f64>, record: &mut Waveform, number: u32, depth: u32) {
     if mean.len() != record.codes.len() || number <= 1 {
         *mean = record.codes.iter().map(|code| f64::from(*code)).collect();
@@ -166,7 +169,8 @@ pub fn fold_average(mean: &mut Vec<f64>, record: &mut Waveform, number: u32, dep
     }
 }
 
-/// The conditioned `signal` (V) at the record's points around its trigger sample, within the converter's range but not rounded (V).
+/// The conditioned `signal` (V) at the record's points around its trigger sample, within the
+/// converter's range but not rounded (V).
 pub fn volts_at_points(
     setup: &Setup,
     vertical: &VerticalSetup,
@@ -177,8 +181,8 @@ pub fn volts_at_points(
     points(setup, signal, trigger).into_iter().map(|volts| volts.clamp(low, high)).collect()
 }
 
-/// Volts at the record's points: samples of the signal, or a windowed sin(x)/x between them where the record is denser
-/// than the converter's fastest rate.
+/// Volts at the record's points: samples of the signal, or a windowed sin(x)/x between them where
+/// the record is denser than the converter's fastest rate.
 fn points(setup: &Setup, signal: &[f64], trigger: usize) -> Vec<f64> {
     let (model, trigger_point) = (&setup.model, setup.trigger_point());
     let last = signal.len().saturating_sub(1) as i64;

@@ -1,7 +1,8 @@
-//! From the volts at a probe's tip to the volts the converter sees: coupling, bandwidth, inversion, errors of gain and zero, noise.
+//! From the volts at a probe's tip to the volts the converter sees: coupling, bandwidth, inversion,
+//! errors of gain and zero, noise.
 //!
-//! Coupling and bandwidth are first-order filters, exact for input that runs straight between samples. A probe
-//! attenuates and the scope multiplies back, so volts stay volts at the tip.
+//! Coupling and bandwidth are first-order filters, exact for input that runs straight between
+//! samples. A probe attenuates and the scope multiplies back, so volts stay volts at the tip.
 
 use std::f64::consts::TAU;
 
@@ -12,11 +13,12 @@ use super::model::{Model, RANGE_END_FACTOR};
 use super::setup::{ChannelSetup, Setup};
 use super::waveform::Coupling;
 
-/// Below this delay, in sample intervals, the bandwidth's only visible effect, a shift, is left out (1).
+/// Below this delay, in sample intervals, the bandwidth's only visible effect, a shift, is left out
+/// (1).
 pub const NEGLIGIBLE_DELAY: f64 = 0.01;
 
-/// Random numbers of one channel and shot: a stream of its own, so that switching one channel off does not change
-/// what another shows.
+/// Random numbers of one channel and shot: a stream of its own, so that switching one channel off
+/// does not change what another shows.
 pub fn noise_stream(seed: u64, shot: u32, channel: u8) -> Pcg64 {
     Pcg64::new(u128::from(seed), (u128::from(shot) << 8) | u128::from(channel))
 }
@@ -65,7 +67,8 @@ pub fn condition(
     signal
 }
 
-/// The `interval` (s) between samples over the time constant of the channel's bandwidth, which is its delay (1).
+/// The `interval` (s) between samples over the time constant of the channel's bandwidth, which is
+/// its delay (1).
 pub fn bandwidth_ratio(setup: &Setup, channel: &ChannelSetup, interval: f64) -> f64 {
     let (model, vertical) = (&setup.model, &channel.vertical);
     let limited = vertical.bandwidth_limited == Some(true)
@@ -74,7 +77,8 @@ pub fn bandwidth_ratio(setup: &Setup, channel: &ChannelSetup, interval: f64) -> 
     interval * TAU * bandwidth
 }
 
-/// Corner of AC coupling behind a probe, whose resistance lies in series with the coupling capacitor (Hz).
+/// Corner of AC coupling behind a probe, whose resistance lies in series with the coupling
+/// capacitor (Hz).
 fn ac_corner(model: &Model, probe: f64) -> f64 {
     let seen = if probe > 1.0 { model.probe_resistance } else { model.input_resistance };
     model.ac_corner * model.input_resistance / seen

@@ -1,8 +1,10 @@
-//! The virtual oscilloscope: front end, time base, edge trigger, 8-bit digitiser, record with preamble.
+//! The virtual oscilloscope: front end, time base, edge trigger, 8-bit digitiser, record with
+//! preamble.
 //!
-//! Stands between `sensor`, which delivers volts on a sample grid, and `recording`, which keeps what was taken. No I/O.
-//! A model's limits are data, `instruments/<model>.toml`; behaviour follows Tektronix' TDS2000 manuals (user manual
-//! 071-1064, programmer manual 071-1075) and is marked in the data file where it is from memory.
+//! Stands between `sensor`, which delivers volts on a sample grid, and `recording`, which keeps
+//! what was taken. No I/O. A model's limits are data, `instruments/<model>.toml`; behaviour follows
+//! Tektronix' TDS2000 manuals (user manual 071-1064, programmer manual 071-1075) and is marked in
+//! the data file where it is from memory.
 
 pub mod acquire;
 pub mod front_end;

@@ -17,7 +17,8 @@ pub struct Model {
     pub bandwidth: f64,
     /// Bandwidth with the limiter on (Hz).
     pub limited_bandwidth: f64,
-    /// Smallest scale at the input with the full bandwidth; below it the limiter is always on (V/div).
+    /// Smallest scale at the input with the full bandwidth; below it the limiter is always on
+    /// (V/div).
     pub full_bandwidth_from: f64,
     /// Highest real-time sample rate (Hz).
     pub sample_rate: f64,
@@ -45,13 +46,15 @@ pub struct Model {
     pub ac_corner: f64,
     /// Farthest trigger level from the screen's centre (div).
     pub trigger_range: f64,
-    /// How far a signal must have been on the other side of the level before a crossing counts (div).
+    /// How far a signal must have been on the other side of the level before a crossing counts
+    /// (div).
     pub trigger_hysteresis: f64,
     /// Corner above which the trigger's high-frequency rejection is deaf (Hz).
     pub high_frequency_reject: f64,
     /// Corner below which the trigger's low-frequency rejection is deaf (Hz).
     pub low_frequency_reject: f64,
-    /// Farthest trigger level at the external input; the input divided by five goes five times as far (V).
+    /// Farthest trigger level at the external input; the input divided by five goes five times as
+    /// far (V).
     pub external_trigger_range: f64,
     /// Frequency of the mains, which the trigger can follow (Hz).
     pub line_frequency: f64,
@@ -141,7 +144,8 @@ impl Accuracy {
     }
 }
 
-/// How a spectrum is computed and scaled: a level is `level` dB, level 0 is `20 log10(V/div) + reference` dB.
+/// How a spectrum is computed and scaled: a level is `level` dB, level 0 is
+/// `20 log10(V/div) + reference` dB.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FftLaw {
     /// Points of the record that are transformed, from its middle; twice as many as bins.
@@ -165,17 +169,20 @@ impl Model {
     /// Time from one point of a record to the next (s).
     pub fn interval(&self, time_base: f64) -> f64 {
         let interval = time_base / (self.record_length as f64 / self.horizontal_divisions);
-        // The instrument's intervals are short decimals, which a binary quotient misses by an ulp: 25 ns / 250 is 0.1 ns.
+        // The instrument's intervals are short decimals, which a binary quotient misses by an ulp:
+        // 25 ns / 250 is 0.1 ns.
         format!("{interval:.11e}").parse().unwrap_or(interval)
     }
 
-    /// Time from one sample to the next: a record's interval, but no shorter than the converter's (s).
+    /// Time from one sample to the next: a record's interval, but no shorter than the converter's
+    /// (s).
     pub fn sample_interval(&self, time_base: f64) -> f64 {
         self.interval(time_base).max(1.0 / self.sample_rate)
     }
 
-    /// Time between samples of the signal in front of converter and trigger: a whole part of the converter's interval that resolves what
-    /// sensors deliver, so that circuits and the trigger's comparator see the signal and not the record's samples (s).
+    /// Time between samples of the signal in front of converter and trigger: a whole part of the
+    /// converter's interval that resolves what sensors deliver, so that circuits and the trigger's
+    /// comparator see the signal and not the record's samples (s).
     pub fn signal_interval(&self, time_base: f64) -> f64 {
         let slow = self.sample_interval(time_base);
         slow / signal_samples(slow)
@@ -186,13 +193,14 @@ impl Model {
         time_base * RANGE_END_FACTOR >= self.scan_from
     }
 
-    /// Index of the trigger in the record at a time base (s/div) and horizontal position (s), possibly outside it:
-    /// `1250 - position/interval` on this family (1).
+    /// Index of the trigger in the record at a time base (s/div) and horizontal position (s),
+    /// possibly outside it: `1250 - position/interval` on this family (1).
     pub fn trigger_point(&self, time_base: f64, position: f64) -> f64 {
         0.5 * self.record_length as f64 - (position / self.interval(time_base)).round()
     }
 
-    /// First and last time of the record after the trigger, at a time base (s/div) and horizontal position (s) (s).
+    /// First and last time of the record after the trigger, at a time base (s/div) and horizontal
+    /// position (s) (s).
     pub fn record_span(&self, time_base: f64, position: f64) -> (f64, f64) {
         let interval = self.interval(time_base);
         let start = -self.trigger_point(time_base, position) * interval;

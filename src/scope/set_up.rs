@@ -1,13 +1,15 @@
 //! The front panel as text: what the instrument answers to `SET?` and saves as a `.SET` file.
 //!
-//! Source: programmer manual 071-1075, `SET?`; order and spelling after files saved by instruments of this family.
+//! Source: programmer manual 071-1075, `SET?`; order and spelling after files saved by instruments
+//! of this family.
 
 use std::fmt::Write as _;
 
 use super::setup::{AcquireMode, EdgeCoupling, Setup, Slope, TriggerMode};
 use super::waveform::{Coupling, PointFormat, Source, Waveform};
 
-/// A number as the instrument writes it (NR3): shortest mantissa with at least one decimal, `5.0E-1`, `1.0E0`.
+/// A number as the instrument writes it (NR3): shortest mantissa with at least one decimal,
+/// `5.0E-1`, `1.0E0`.
 pub fn nr3(value: f64) -> String {
     let text = format!("{value:E}");
     match text.split_once('E') {
@@ -16,8 +18,9 @@ pub fn nr3(value: f64) -> String {
     }
 }
 
-/// What a waveform is in words, `WFId`: `Ch1, DC coupling, 5.0E-1 V/div, 5.0E-2 s/div, 2500 points, Sample mode`; a coupling that is not known
-/// is left out. `number` writes scales, `mode` is how samples were taken.
+/// What a waveform is in words, `WFId`:
+/// `Ch1, DC coupling, 5.0E-1 V/div, 5.0E-2 s/div, 2500 points, Sample mode`; a coupling that is not
+/// known is left out. `number` writes scales, `mode` is how samples were taken.
 pub fn waveform_id(waveform: &Waveform, number: fn(f64) -> String, mode: &str) -> String {
     let name = match waveform.source {
         Source::Channel(number) => format!("Ch{number}"),

@@ -31,7 +31,8 @@ pub struct Deviation {
 }
 
 impl Deviation {
-    /// The deviation of channel `number`: even between the limits, the same for the same `seed` whatever is measured.
+    /// The deviation of channel `number`: even between the limits, the same for the same `seed`
+    /// whatever is measured.
     pub fn drawn(seed: u64, number: u8) -> Self {
         let mut numbers = Pcg64::new(u128::from(seed), DEVIATIONS | u128::from(number));
         let mut draw = || StandardUniform.sample(&mut numbers);
@@ -40,7 +41,8 @@ impl Deviation {
     }
 }
 
-/// Streams of random numbers that no noise takes: those count shots in the bits above the channel's.
+/// Streams of random numbers that no noise takes: those count shots in the bits above the
+/// channel's.
 const DEVIATIONS: u128 = 1 << 64;
 
 /// Direction in which the signal crosses the trigger level.
@@ -193,7 +195,8 @@ pub struct Setup {
     pub external: Option<String>,
     /// Time base (s/div).
     pub time_base: f64,
-    /// Time of the screen's centre after the trigger: positive puts the trigger left of the centre (s).
+    /// Time of the screen's centre after the trigger: positive puts the trigger left of the centre
+    /// (s).
     pub horizontal_position: f64,
     /// The trigger.
     pub trigger: Trigger,
@@ -204,13 +207,14 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// Index of the trigger in the record, possibly outside it: `1250 - position/interval` on this family (1).
+    /// Index of the trigger in the record, possibly outside it: `1250 - position/interval` on this
+    /// family (1).
     pub fn trigger_point(&self) -> f64 {
         self.model.trigger_point(self.time_base, self.horizontal_position)
     }
 
-    /// Time between samples of the signal: close enough for circuits and trigger, or in peak detection close enough to keep the shortest
-    /// pulse, as far as memory allows (s).
+    /// Time between samples of the signal: close enough for circuits and trigger, or in peak
+    /// detection close enough to keep the shortest pulse, as far as memory allows (s).
     pub fn signal_interval(&self) -> f64 {
         if self.acquisition.mode != AcquireMode::PeakDetect {
             return self.model.signal_interval(self.time_base);

@@ -173,8 +173,8 @@ impl Waveform {
         (f64::from(code) - p.y_off) * p.y_mult + p.y_zero
     }
 
-    /// How many points stand at the converter's ends, where the true voltage may lie beyond; none where the levels are
-    /// not those of an 8-bit converter, 25 to a division.
+    /// How many points stand at the converter's ends, where the true voltage may lie beyond; none
+    /// where the levels are not those of an 8-bit converter, 25 to a division.
     pub fn clipped(&self) -> usize {
         self.clipped_points().count()
     }

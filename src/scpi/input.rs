@@ -1,7 +1,8 @@
 //! From bytes to messages.
 //!
-//! A message ends with a line feed or a carriage return; the second one of a pair ends an empty message. Inside a block,
-//! `#<n><length><bytes>`, every byte is content. A message that grows beyond [`MAXIMUM_BYTES`] is lost to its end.
+//! A message ends with a line feed or a carriage return; the second one of a pair ends an empty
+//! message. Inside a block, `#<n><length><bytes>`, every byte is content. A message that grows
+//! beyond [`MAXIMUM_BYTES`] is lost to its end.
 
 /// Longest message. A curve of 2500 points as text has at most 12 500 bytes.
 pub const MAXIMUM_BYTES: usize = 32_768;

@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 use super::command::GROUPS;
 use super::row::{CommandRow, Support};
 
-/// Where the manual and what others saw differ or say nothing, and no instrument was at hand to decide.
+/// Where the manual and what others saw differ or say nothing, and no instrument was at hand to
+/// decide.
 const UNDECIDED: &str = "
 ## What only an instrument could decide
 

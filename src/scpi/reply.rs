@@ -14,8 +14,9 @@ pub struct ResponseUnit {
 
 /// The answers to one query, without terminator.
 ///
-/// With headers the first answer begins at the root, `:TRIGGER:MAIN:MODE AUTO`; the next ones leave out the path that
-/// they share with the one before, `TYPE EDGE`, where all of that path is theirs, and begin at the root where not.
+/// With headers the first answer begins at the root, `:TRIGGER:MAIN:MODE AUTO`; the next ones leave
+/// out the path that they share with the one before, `TYPE EDGE`, where all of that path is theirs,
+/// and begin at the root where not.
 pub fn write(answers: &[ResponseUnit], preferences: &Preferences) -> Vec<u8> {
     let mut out = Vec::new();
     let mut path: &[String] = &[];
@@ -79,8 +80,8 @@ pub struct Preferences {
 }
 
 impl Preferences {
-    /// Words in full, a line feed at the end, headers as asked for. The original answers with headers over RS-232, most
-    /// programs expect none.
+    /// Words in full, a line feed at the end, headers as asked for. The original answers with
+    /// headers over RS-232, most programs expect none.
     pub fn new(header: bool) -> Self {
         Self { header, verbose: true, terminator: Terminator::Lf }
     }

@@ -19,7 +19,8 @@ pub enum Support {
 
 /// One command.
 pub struct CommandRow {
-    /// Header as in the manual: short forms in capitals, `<x>` for a number, `<wfm>` for a waveform.
+    /// Header as in the manual: short forms in capitals, `<x>` for a number, `<wfm>` for a
+    /// waveform.
     pub header: &'static str,
     /// The setting behind the command.
     pub setting: Setting,

@@ -18,7 +18,8 @@ pub enum Reply {
     None,
     /// These bytes, terminators included.
     Now(Vec<u8>),
-    /// These bytes, which may be none; more comes from [`Session::resume`] when the acquisition is done.
+    /// These bytes, which may be none; more comes from [`Session::resume`] when the acquisition is
+    /// done.
     WhenIdle(Vec<u8>),
 }
 
@@ -36,7 +37,8 @@ struct Progress {
     trigger: (usize, Vec<String>),
 }
 
-/// Longest reply to one message. Where replies outgrow it, all of them and the rest of the message are lost.
+/// Longest reply to one message. Where replies outgrow it, all of them and the rest of the message
+/// are lost.
 pub const MAXIMUM_REPLY: usize = 1 << 20;
 
 /// A message that a connection received or sent.

@@ -100,7 +100,8 @@ pub const fn group_and_command(parts: Parts, set: SetFunction) -> Setting {
     Setting { set: Some(set), parts: Some(parts), ..Setting::NONE }
 }
 
-/// A place in the instrument that a command sets to what `$read` reads from its arguments, and a query tells as what `$reply` makes of it.
+/// A place in the instrument that a command sets to what `$read` reads from its arguments, and a
+/// query tells as what `$reply` makes of it.
 macro_rules! place {
     (|$at:ident| $place:expr, $read:expr, $reply:expr) => {
         $crate::scpi::setting::both(

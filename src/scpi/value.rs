@@ -77,8 +77,9 @@ pub fn setting(value: f64) -> String {
     nr3(rounded(value, SETTING_DIGITS))
 }
 
-/// A measurement, `4.8800115585E0`: the instrument computes in single precision and writes ten decimals, so that the
-/// rounding shows. Below 0.01 nine significant digits are written; no reply of that size has been seen.
+/// A measurement, `4.8800115585E0`: the instrument computes in single precision and writes ten
+/// decimals, so that the rounding shows. Below 0.01 nine significant digits are written; no reply
+/// of that size has been seen.
 pub fn measurement(value: f64) -> String {
     let single = value as f32;
     if single == 0.0 || !single.is_finite() {
@@ -94,8 +95,8 @@ pub fn measurement(value: f64) -> String {
     nr3(text.parse().unwrap_or(exact))
 }
 
-/// Reads a number, whole or with decimals and exponent, in any of the forms NR1 to NR3, clamped to what single
-/// precision holds (unit).
+/// Reads a number, whole or with decimals and exponent, in any of the forms NR1 to NR3, clamped to
+/// what single precision holds (unit).
 pub fn parse(text: &str) -> Option<f64> {
     let plain = text.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
     let value: f64 = plain.then(|| text.parse().ok())??;

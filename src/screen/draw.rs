@@ -88,7 +88,8 @@ fn trace(picture: &mut Picture, waveform: &Waveform, screen: &Screen) {
         CENTRE - dots(zoom.map_or(level, |zoom| level * zoom.up + zoom.position * LEVELS))
     };
     let bounded = |y: i32| y.clamp(CORNER.1, CORNER.1 + SPAN.1);
-    // A record of the scan has a blank in it; elsewhere the lowest level is a signal that left the screen.
+    // A record of the scan has a blank in it; elsewhere the lowest level is a signal that left the
+    // screen.
     let scan = waveform.trigger_point == 0.0 && waveform.codes.contains(&LOWEST_CODE);
     let mut before: Option<i32> = None;
     for column in 0..SPAN.0 {

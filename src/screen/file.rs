@@ -1,7 +1,8 @@
 //! Pictures as files: the formats of `HARDCopy` that a computer reads.
 //!
-//! Sources: BMP and its run lengths as in the Windows SDK (`BITMAPINFOHEADER`, `BI_RLE8`); PCX version 5, the
-//! technical reference of its maker; TIFF 6.0, palette colour, no compression; PostScript Language Reference, level 1 and 2, in an EPSF-3.0.
+//! Sources: BMP and its run lengths as in the Windows SDK (`BITMAPINFOHEADER`, `BI_RLE8`); PCX
+//! version 5, the technical reference of its maker; TIFF 6.0, palette colour, no compression;
+//! PostScript Language Reference, level 1 and 2, in an EPSF-3.0.
 
 use std::fmt::Write as _;
 

@@ -9,8 +9,8 @@ use crate::scope::{Coupling, Source};
 /// Entries of a menu.
 const MEASUREMENTS: u8 = 5;
 
-/// Title and entries: those of the measurements if there are any, else of the cursors if they are on, else of the first
-/// channel on the screen.
+/// Title and entries: those of the measurements if there are any, else of the cursors if they are
+/// on, else of the first channel on the screen.
 pub fn menu(instrument: &Instrument) -> Vec<[String; 2]> {
     let measured = measurements(instrument);
     if measured.iter().any(|entry| entry[0] != "None") {

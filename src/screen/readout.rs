@@ -1,4 +1,5 @@
-//! Numbers as the screen writes them: three digits, prefix and unit without a space, `500mV`, `2.50ms`.
+//! Numbers as the screen writes them: three digits, prefix and unit without a space, `500mV`,
+//! `2.50ms`.
 
 /// Prefixes and their powers of ten.
 const PREFIXES: [(&str, i32); 9] =

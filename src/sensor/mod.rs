@@ -1,14 +1,16 @@
 //! The piezo sensor: force to charge to voltage.
 //!
-//! Input: the axial force in the host (the particle or wall that holds the plate), from `chain`. Output: the voltage at the input of
-//! `scope`. A plate with piezoelectric coefficient `d33` turns a force `F` into the charge `d33 F` on the capacitance `C` of plate,
-//! cable and scope input, which leaks through the resistance `R` of plate and scope input:
-//! `V' + V/tau = (d33/C) F'`, `tau = R C`. So a static force is invisible and every pulse droops.
-//! Source: the charge equation of a thickness-poled plate (IEEE Std 176-1987), lumped circuit; valid far below the
-//! plate's own resonance (MHz) and while the plate takes the host's whole axial force.
+//! Input: the axial force in the host (the particle or wall that holds the plate), from `chain`.
+//! Output: the voltage at the input of `scope`. A plate with piezoelectric coefficient `d33` turns
+//! a force `F` into the charge `d33 F` on the capacitance `C` of plate, cable and scope input,
+//! which leaks through the resistance `R` of plate and scope input: `V' + V/tau = (d33/C) F'`,
+//! `tau = R C`. So a static force is invisible and every pulse droops. Source: the charge equation
+//! of a thickness-poled plate (IEEE Std 176-1987), lumped circuit; valid far below the plate's own
+//! resonance (MHz) and while the plate takes the host's whole axial force.
 //!
-//! Several plates on top of each other feel the same force. Wired in parallel they give `n d33` on `n` times the capacitance,
-//! in series `d33` on one `n`-th of it. Measured values in [`SensorMeasurement`] replace those computed from the plate.
+//! Several plates on top of each other feel the same force. Wired in parallel they give `n d33` on
+//! `n` times the capacitance, in series `d33` on one `n`-th of it. Measured values in
+//! [`SensorMeasurement`] replace those computed from the plate.
 
 mod tolerance;
 
@@ -46,7 +48,8 @@ pub struct SensorMeasurement {
     pub time_constant_u: Option<f64>,
     /// The input it was measured with; without one it holds for any.
     pub load: Option<Load>,
-    /// The scope channel whose gain is part of this sensitivity; none if the sensor alone was calibrated.
+    /// The scope channel whose gain is part of this sensitivity; none if the sensor alone was
+    /// calibrated.
     pub chain: Option<InChain>,
 }
 
@@ -151,8 +154,8 @@ impl Sensor {
 
     /// The circuit that this sensor forms with `load`.
     ///
-    /// Values measured with another input are converted: charge per force and capacitance of sensor and cable are kept, resistance and
-    /// capacitance of the input are replaced.
+    /// Values measured with another input are converted: charge per force and capacitance of sensor
+    /// and cable are kept, resistance and capacitance of the input are replaced.
     pub fn connect(&self, load: Load) -> Circuit {
         let with = self.measured.load.unwrap_or(load);
         let computed = self.stack_capacitance() + self.cable_capacitance + with.capacitance;
@@ -175,7 +178,8 @@ impl Sensor {
 impl Circuit {
     /// Voltage at the sample times of `force`, exact for a force that is linear between samples.
     ///
-    /// `V[n] = a V[n-1] + S (1-a) tau/dt (F[n] - F[n-1])`, `a = exp(-dt/tau)`; the circuit starts discharged.
+    /// `V[n] = a V[n-1] + S (1-a) tau/dt (F[n] - F[n-1])`, `a = exp(-dt/tau)`; the circuit starts
+    /// discharged.
     pub fn respond(&self, force: &Trace) -> Trace {
         let ratio = force.interval / self.time_constant;
         let kept = (-ratio).exp();
@@ -201,7 +205,8 @@ impl Circuit {
 mod tests {
     use super::*;
 
-    /// Against the closed form for a ramp and a hold: `V = S r tau (1 - exp(-t/tau))`, then `exp` decay.
+    /// Against the closed form for a ramp and a hold: `V = S r tau (1 - exp(-t/tau))`, then `exp`
+    /// decay.
     #[test]
     fn filter_is_exact_for_piecewise_linear_force() {
         let circuit = Circuit { sensitivity: 0.4, time_constant: 1e-3 };

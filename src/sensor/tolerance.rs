@@ -1,10 +1,12 @@
-//! Tolerances of piezo ceramics: constants that differ from the data sheet, and that move with temperature.
+//! Tolerances of piezo ceramics: constants that differ from the data sheet, and that move with
+//! temperature.
 //!
-//! For what-if runs: each plate's `d33` and permittivity are drawn evenly within the tolerance, apart from each other, and the
-//! room's temperature, one for all plates, evenly within its own; constants follow it in proportion. What was measured of a sensor is
-//! drawn normally with its own standard uncertainty.
-//! Source: manufacturers' data for PZT-5A and PZT-5H state +-20 % for both constants. Valid for plates of the same batch only
-//! if their tolerance is taken that narrow: here each is drawn for itself.
+//! For what-if runs: each plate's `d33` and permittivity are drawn evenly within the tolerance,
+//! apart from each other, and the room's temperature, one for all plates, evenly within its own;
+//! constants follow it in proportion. What was measured of a sensor is drawn normally with its own
+//! standard uncertainty. Source: manufacturers' data for PZT-5A and PZT-5H state +-20 % for both
+//! constants. Valid for plates of the same batch only if their tolerance is taken that narrow: here
+//! each is drawn for itself.
 
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rand_pcg::Pcg64;

@@ -38,7 +38,8 @@ impl BenchState {
         self.scenes.first().is_some_and(|served| **served == *scene)
     }
 
-    /// Applies the changes that clients have requested; an impossible one is reverted and reported as an event.
+    /// Applies the changes that clients have requested; an impossible one is reverted and reported
+    /// as an event.
     pub fn apply_changes(&mut self, instrument: &mut Instrument) {
         let wanted = &instrument.bench.scene;
         if *wanted == self.applied {

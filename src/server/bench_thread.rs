@@ -1,5 +1,6 @@
-//! The bench on a thread of its own: strikes the chain when told to, and hands over what arrives at the scope's inputs, with the records
-//! that the scope makes of it. Where the scope was set otherwise meanwhile, the records are made again.
+//! The bench on a thread of its own: strikes the chain when told to, and hands over what arrives at
+//! the scope's inputs, with the records that the scope makes of it. Where the scope was set
+//! otherwise meanwhile, the records are made again.
 
 use std::io;
 use std::sync::Arc;
@@ -64,7 +65,8 @@ pub struct GroundTruth {
 }
 
 impl BenchHandle {
-    /// Starts the thread; it ends when the handle is dropped, after the simulation that is under way.
+    /// Starts the thread; it ends when the handle is dropped, after the simulation that is under
+    /// way.
     ///
     /// # Errors
     /// The system's error if no thread can be started.

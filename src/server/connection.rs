@@ -1,7 +1,7 @@
 //! One connection: copies bytes between a socket and the instrument's task.
 //!
-//! A piece of input is handed on only when the answer to the one before has been written, so a client that does not read
-//! is not read from either, and nothing piles up.
+//! A piece of input is handed on only when the answer to the one before has been written, so a
+//! client that does not read is not read from either, and nothing piles up.
 
 use std::io;
 use std::net::SocketAddr;
@@ -21,7 +21,8 @@ const KEEPALIVE_TIME: Duration = Duration::from_secs(60);
 const KEEPALIVE_INTERVAL: Duration = Duration::from_secs(5);
 /// Time after which a client that accepts no bytes is dropped.
 const WRITE_TIMEOUT: Duration = Duration::from_secs(10);
-/// Answers that wait for the socket. One belongs to the last piece, others come from acquisitions that ended.
+/// Answers that wait for the socket. One belongs to the last piece, others come from acquisitions
+/// that ended.
 const ANSWERS: usize = 64;
 
 /// The protocol of a connection.
@@ -118,7 +119,8 @@ impl Connection {
     }
 }
 
-/// First words of an HTTP request. A web page can have a browser send one here, commands in its body.
+/// First words of an HTTP request. A web page can have a browser send one here, commands in its
+/// body.
 const HTTP_METHODS: [&[u8]; 10] = [
     b"GET", b"POST", b"PUT", b"HEAD", b"OPTIONS", b"DELETE", b"PATCH", b"CONNECT", b"TRACE", b"PRI",
 ];
@@ -133,8 +135,9 @@ struct Beginning {
 }
 
 impl Beginning {
-    /// Whether the connection begins with an HTTP request: a method, a blank, and what no command has as its argument. No command is
-    /// executed before its line ends, so no part of a request is.
+    /// Whether the connection begins with an HTTP request: a method, a blank, and what no command
+    /// has as its argument. No command is executed before its line ends, so no part of a request
+    /// is.
     fn is_http(&mut self, piece: &[u8]) -> bool {
         if self.is_known {
             return false;
@@ -152,7 +155,8 @@ impl Beginning {
     }
 }
 
-/// Has the system ask a silent peer every minute whether it is there; one that is not loses its connection within two.
+/// Has the system ask a silent peer every minute whether it is there; one that is not loses its
+/// connection within two.
 fn keep_alive(stream: &TcpStream) -> io::Result<()> {
     let keepalive = socket2::TcpKeepalive::new().with_time(KEEPALIVE_TIME);
     #[cfg(not(any(target_os = "openbsd", target_os = "haiku")))]
@@ -186,7 +190,8 @@ async fn exchange(
                 if beginning.is_http(&bytes) {
                     return Ok(());
                 }
-                // After the last piece nothing is read: the instrument task ends the connection when all is answered.
+                // After the last piece nothing is read: the instrument task ends the connection
+                // when all is answered.
                 asked = true;
                 let heard = if bytes.is_empty() {
                     ConnectionEvent::Ended { number }
@@ -201,8 +206,9 @@ async fn exchange(
     }
 }
 
-/// Has the system acknowledge at once what comes. A client whose own system gathers small messages (Nagle) holds a query
-/// back until the command before it is acknowledged, which takes 40 ms otherwise. The system forgets it, hence after each read.
+/// Has the system acknowledge at once what comes. A client whose own system gathers small messages
+/// (Nagle) holds a query back until the command before it is acknowledged, which takes 40 ms
+/// otherwise. The system forgets it, hence after each read.
 #[cfg(any(target_os = "linux", target_os = "android"))]
 fn acknowledge(stream: &TcpStream) -> io::Result<()> {
     stream.set_quickack(true)

@@ -1,4 +1,5 @@
-//! The task that owns the instrument: answers connections, advances time, and delivers the signals of impacts.
+//! The task that owns the instrument: answers connections, advances time, and delivers the signals
+//! of impacts.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::future::pending;
@@ -26,11 +27,13 @@ use crate::vxi11;
 const TICK: Duration = Duration::from_millis(5);
 /// Shortest time from one strike to the next.
 const SHORTEST: Duration = Duration::from_millis(1);
-/// How often records are made of the same signals when settings change meanwhile, before the signals are dropped.
+/// How often records are made of the same signals when settings change meanwhile, before the
+/// signals are dropped.
 const MOST_ATTEMPTS: u32 = 5;
 /// Time without a byte after which a connection gives way to another one where there is no room.
 const IDLE_TIME: Duration = Duration::from_secs(1);
-/// Time after which a connection that is closed for sending is dropped although an answer is pending.
+/// Time after which a connection that is closed for sending is dropped although an answer is
+/// pending.
 const HALF_CLOSED_TIMEOUT: Duration = Duration::from_secs(60);
 
 /// The state of one connection.
@@ -114,7 +117,8 @@ impl InstrumentTask {
     /// Runs until no connection can be opened any more.
     ///
     /// # Errors
-    /// [`ServeError`] where the bench fails. A recording that fails ends, and is told by [`Self::finish`].
+    /// [`ServeError`] where the bench fails. A recording that fails ends, and is told by
+    /// [`Self::finish`].
     pub async fn run(
         &mut self,
         mut news: mpsc::Receiver<ConnectionEvent>,
@@ -232,7 +236,8 @@ impl InstrumentTask {
         self.bench_state.apply_changes(&mut self.sessions.instrument);
     }
 
-    /// Executes one message of the connection whose turn it is: a connection that sends many has to wait for the others between them.
+    /// Executes one message of the connection whose turn it is: a connection that sends many has to
+    /// wait for the others between them.
     fn execute_message(&mut self) {
         let Some(RawPiece { number, mut bytes, mut reply }) = self.pieces.pop_front() else {
             return;
@@ -269,7 +274,8 @@ impl InstrumentTask {
                 if is_hidden {
                     return Ok(());
                 }
-                // The time base was turned during the impact: the acquisition has started again without it, as on an instrument.
+                // The time base was turned during the impact: the acquisition has started again
+                // without it, as on an instrument.
                 if wanted != instrument.sample_window() {
                     return Ok(());
                 }
@@ -311,8 +317,8 @@ impl InstrumentTask {
         }
     }
 
-    /// The connection that has been idle for longest, if any is. One whose reply waits for an acquisition is not; the two of a HiSLIP
-    /// session are idle together.
+    /// The connection that has been idle for longest, if any is. One whose reply waits for an
+    /// acquisition is not; the two of a HiSLIP session are idle together.
     fn longest_idle(&self) -> Option<u64> {
         let heard = |number: u64| {
             let own = self.connections.get(&number).map(|connection| connection.heard);
@@ -404,7 +410,8 @@ impl InstrumentTask {
         self.send_bytes(number, bytes, true);
     }
 
-    /// Sends bytes; drops a connection whose queue of answers is full, since its client does not read.
+    /// Sends bytes; drops a connection whose queue of answers is full, since its client does not
+    /// read.
     fn send_bytes(&mut self, number: u64, mut bytes: Vec<u8>, to_piece: bool) {
         let Some(connection) = self.connections.get(&number) else { return };
         let mut drops = false;

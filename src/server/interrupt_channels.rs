@@ -47,7 +47,8 @@ impl InterruptChannels {
     }
 }
 
-/// Connects and writes requests until there are no more; replies to them, which clients need not send, are not read.
+/// Connects and writes requests until there are no more; replies to them, which clients need not
+/// send, are not read.
 async fn run(
     number: u64,
     address: SocketAddrV4,

@@ -1,4 +1,5 @@
-//! The log of a server: a line for each connection, command, reply, error and impact, with the time since the start.
+//! The log of a server: a line for each connection, command, reply, error and impact, with the time
+//! since the start.
 
 use std::io::Write;
 use std::time::Instant;

@@ -1,8 +1,10 @@
-//! The scope on the network: raw TCP sockets, HiSLIP sessions and VXI-11 links on which lab clients talk to one instrument.
+//! The scope on the network: raw TCP sockets, HiSLIP sessions and VXI-11 links on which lab clients
+//! talk to one instrument.
 //!
-//! One task owns the instrument and what it remembers of every connection (`instrument_task`, with `sessions`, and
-//! `bench_state` for the bench's settings); each connection has a task that copies bytes (`connection`); the chain moves on a thread
-//! of its own (`bench_thread`), so that no reply waits for a simulation; `recorder` writes down what happens.
+//! One task owns the instrument and what it remembers of every connection (`instrument_task`, with
+//! `sessions`, and `bench_state` for the bench's settings); each connection has a task that copies
+//! bytes (`connection`); the chain moves on a thread of its own (`bench_thread`), so that no reply
+//! waits for a simulation; `recorder` writes down what happens.
 
 mod bench_state;
 mod bench_thread;
@@ -34,8 +36,8 @@ use connection::{ACCEPT_RETRY_DELAY, Connection, Protocol};
 use instrument_task::InstrumentTask;
 use recorder::Recorder;
 
-/// Connections at a time, of all protocols. A further one takes the place of the one that has been idle for longest, or is closed at
-/// once if none is idle. A HiSLIP session has two.
+/// Connections at a time, of all protocols. A further one takes the place of the one that has been
+/// idle for longest, or is closed at once if none is idle. A HiSLIP session has two.
 pub const MOST_CONNECTIONS: usize = 128;
 /// Capacity of the queue of input pieces from all connections.
 const PIECES: usize = 64;
@@ -55,12 +57,13 @@ pub struct Sockets {
     pub port_mapper: Option<(TcpListener, UdpSocket)>,
 }
 
-/// Answers all connections until `shutdown` resolves, and writes all of it to `recording`, which is finished then. The
-/// instrument begins as the scene sets it, running. A simulation that is under way at the end goes on, on its thread, unheard.
+/// Answers all connections until `shutdown` resolves, and writes all of it to `recording`, which is
+/// finished then. The instrument begins as the scene sets it, running. A simulation that is under
+/// way at the end goes on, on its thread, unheard.
 ///
 /// # Errors
-/// [`ServeError`] where the server cannot start, the scene cannot be run or the recording cannot be written; no client can
-/// cause one.
+/// [`ServeError`] where the server cannot start, the scene cannot be run or the recording cannot be
+/// written; no client can cause one.
 pub fn serve(
     sockets: Sockets,
     scene: &Scene,
@@ -102,7 +105,8 @@ pub fn serve(
             () = accept_loop(&listeners, pieces, &mut connections) => Ok(()),
         };
         let finished = task.finish();
-        // The instrument task has ended, so every connection ends as soon as its answers are written.
+        // The instrument task has ended, so every connection ends as soon as its answers are
+        // written.
         let _ = tokio::time::timeout(SHUTDOWN_GRACE, async {
             while connections.join_next().await.is_some() {}
         })
@@ -147,7 +151,8 @@ async fn accept_loop(
     }
 }
 
-/// Whether there is room for one more connection beside `open` others, if need be because an idle one gives way.
+/// Whether there is room for one more connection beside `open` others, if need be because an idle
+/// one gives way.
 async fn has_room(open: usize, pieces: &mpsc::Sender<connection::ConnectionEvent>) -> bool {
     if open < MOST_CONNECTIONS {
         return true;

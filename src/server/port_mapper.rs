@@ -1,4 +1,5 @@
-//! The port mapper on its sockets. Each call is answered by itself; a connection ends after a while, and so does one whose bytes are no call.
+//! The port mapper on its sockets. Each call is answered by itself; a connection ends after a
+//! while, and so does one whose bytes are no call.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -18,7 +19,8 @@ const CONNECTION_TIME: Duration = Duration::from_secs(10);
 /// Connections at a time; others wait.
 const MOST_CONNECTIONS: usize = 16;
 
-/// Answers datagrams and connections until it is cancelled; `port` is where the VXI-11 server listens.
+/// Answers datagrams and connections until it is cancelled; `port` is where the VXI-11 server
+/// listens.
 pub async fn answer_all(listener: TcpListener, datagrams: UdpSocket, port: u16) {
     tokio::join!(answer_connections(listener, port), answer_datagrams(datagrams, port));
 }

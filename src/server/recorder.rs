@@ -1,4 +1,5 @@
-//! Writes the recording of a served session: every command and reply, and the records of triggered acquisitions, with their times.
+//! Writes the recording of a served session: every command and reply, and the records of triggered
+//! acquisitions, with their times.
 
 use std::time::{Duration, Instant, SystemTime};
 

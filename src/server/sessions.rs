@@ -1,4 +1,5 @@
-//! The instrument with its sessions, one for each client of any protocol, with their transcript and the faults of their replies.
+//! The instrument with its sessions, one for each client of any protocol, with their transcript and
+//! the faults of their replies.
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -58,7 +59,8 @@ pub struct Sessions {
 }
 
 impl Sessions {
-    /// No sessions; `header` is the initial state of response headers, `seed` that of garbled replies.
+    /// No sessions; `header` is the initial state of response headers, `seed` that of garbled
+    /// replies.
     pub fn new(
         mut instrument: Instrument,
         (header, seed): (bool, u64),
@@ -122,7 +124,8 @@ impl Sessions {
         self.disturb(id, reply)
     }
 
-    /// A reply with the faults that are asked for; nothing where it comes later, out of [`Self::resume`].
+    /// A reply with the faults that are asked for; nothing where it comes later, out of
+    /// [`Self::resume`].
     fn disturb(&mut self, id: SessionId, mut reply: Vec<u8>) -> Vec<u8> {
         let faults = &mut self.instrument.bench.faults;
         if reply.is_empty() || (faults.is_empty() && self.late.is_empty()) {

@@ -1,5 +1,6 @@
-//! Whether the program does on this machine what it does on others: what ships is whole, and a run known from outside comes out right,
-//! with every instruction set and down to the oscilloscope's record.
+//! Whether the program does on this machine what it does on others: what ships is whole, and a run
+//! known from outside comes out right, with every instruction set and down to the oscilloscope's
+//! record.
 
 use serde::Serialize;
 
@@ -16,10 +17,11 @@ use crate::scene::Scene;
 
 /// The scene that is run.
 const SCENE: &str = "magnet-0.61g";
-/// Total force at its first peak in newtons and its time in seconds, in particles 2, 14 and 27 and at the wall (unit).
+/// Total force at its first peak in newtons and its time in seconds, in particles 2, 14 and 27 and
+/// at the wall (unit).
 ///
-/// Source: `tests/golden`, solved by others with DOP853, restarted at each contact event, and by extrapolation without events, which
-/// differ by less than 2e-12 N and 1e-17 s.
+/// Source: `tests/golden`, solved by others with DOP853, restarted at each contact event, and by
+/// extrapolation without events, which differ by less than 2e-12 N and 1e-17 s.
 pub const GOLDEN: [[f64; 2]; 4] = [
     [6.701_987_908_021_472, 5.529_139_704_793_175e-5],
     [5.610_915_878_211_899, 3.565_147_377_611_143e-4],

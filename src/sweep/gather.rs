@@ -39,7 +39,8 @@ impl GatheredLogs {
     /// Reads all logs in `folder`.
     ///
     /// # Errors
-    /// [`SweepError`] if there is no log, if the logs belong to different sweeps, or if two logs disagree on a run.
+    /// [`SweepError`] if there is no log, if the logs belong to different sweeps, or if two logs
+    /// disagree on a run.
     pub fn read(folder: &Path) -> Result<Self, SweepError> {
         let no_logs = || SweepError::NothingThere { folder: folder.display().to_string() };
         if !folder.is_dir() {
@@ -120,7 +121,8 @@ impl GatheredLogs {
         gaps
     }
 
-    /// Writes what there is into each of `tables`, in the order of runs; `progress` is called with the share that is written.
+    /// Writes what there is into each of `tables`, in the order of runs; `progress` is called with
+    /// the share that is written.
     ///
     /// # Errors
     /// [`SweepError`] where a log or a table cannot be read or written.

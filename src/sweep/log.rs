@@ -1,8 +1,9 @@
 //! The log of a sweep: finished runs, one a line, only ever added to.
 //!
-//! The first line says which sweep it is of. Every line begins with the CRC-32 of what follows, in eight hexadecimal digits and a blank.
-//! A process that is killed leaves at most one torn line at the end: it is cut off, and its run is done again. A line that does
-//! not agree with its checksum is told and counts for nothing, so its run is done again, too.
+//! The first line says which sweep it is of. Every line begins with the CRC-32 of what follows, in
+//! eight hexadecimal digits and a blank. A process that is killed leaves at most one torn line at
+//! the end: it is cut off, and its run is done again. A line that does not agree with its checksum
+//! is told and counts for nothing, so its run is done again, too.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{BufRead as _, BufReader, Seek as _, SeekFrom, Write as _};
@@ -100,7 +101,8 @@ impl Scan {
     }
 }
 
-/// Reads the log `file`; none if not even its first line is whole, as of a process that was killed at once.
+/// Reads the log `file`; none if not even its first line is whole, as of a process that was killed
+/// at once.
 ///
 /// # Errors
 /// [`SweepError`] where it cannot be read or is no log.
@@ -117,7 +119,8 @@ pub fn scan(file: &Path) -> Result<Option<Scan>, SweepError> {
             break;
         }
         if line.last() != Some(&b'\n') {
-            // A torn first line is text all the same: what is not is something else, or damaged, and not to be begun again.
+            // A torn first line is text all the same: what is not is something else, or damaged,
+            // and not to be begun again.
             if header.is_none() && line.iter().any(u8::is_ascii_control) {
                 return Err(no_log());
             }
@@ -168,8 +171,9 @@ pub struct SweepLog {
 }
 
 impl SweepLog {
-    /// Opens the log `path`, or begins it. Without `chosen` instructions, a log goes on with those that it was begun with, and a new one
-    /// takes `best`. Also returns what it holds, and what the user should know.
+    /// Opens the log `path`, or begins it. Without `chosen` instructions, a log goes on with those
+    /// that it was begun with, and a new one takes `best`. Also returns what it holds, and what the
+    /// user should know.
     ///
     /// # Errors
     /// [`SweepError`] where it is of another sweep, of other instructions, or at work elsewhere.

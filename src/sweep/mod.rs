@@ -1,9 +1,12 @@
-//! Thousands of runs of one scene with other values: designed, run on all processors and machines, kept safe, joined into a table.
+//! Thousands of runs of one scene with other values: designed, run on all processors and machines,
+//! kept safe, joined into a table.
 //!
-//! Stands between `experiment`, which runs scenes, and the command line. [`plan`] makes runs out of a file, `work` runs them in blocks and
-//! [`log`](mod@log) keeps every finished one, so that a sweep that is killed goes on where it was. [`shard`] is the part of one process out of
-//! many, [`gather`] joins their logs and says what is missing, [`table`] writes the results. Values, seed and results of a run follow from
-//! its number alone: in every process, and beside any other runs, the bytes are the same on processors with the same instructions.
+//! Stands between `experiment`, which runs scenes, and the command line. [`plan`] makes runs out of
+//! a file, `work` runs them in blocks and [`log`](mod@log) keeps every finished one, so that a
+//! sweep that is killed goes on where it was. [`shard`] is the part of one process out of many,
+//! [`gather`] joins their logs and says what is missing, [`table`] writes the results. Values, seed
+//! and results of a run follow from its number alone: in every process, and beside any other runs,
+//! the bytes are the same on processors with the same instructions.
 
 pub mod gather;
 pub mod log;

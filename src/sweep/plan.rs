@@ -259,7 +259,8 @@ fn hash(design: &Design, scene: &Scene, accuracy: Option<f64>) -> String {
     hexadecimal(&hash.finalize())
 }
 
-/// A scene's problem, on one line. Files are named without their folders, which may differ from process to process.
+/// A scene's problem, on one line. Files are named without their folders, which may differ from
+/// process to process.
 fn reason(error: &SceneError) -> String {
     let SceneError::Problems(problems) = error else { return error.to_string() };
     let short = |problem: &Problem| {

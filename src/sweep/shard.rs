@@ -1,4 +1,5 @@
-//! The part of a sweep that one process does: of `n` shards, number `k` has every run whose number leaves `k - 1` when divided by `n`.
+//! The part of a sweep that one process does: of `n` shards, number `k` has every run whose number
+//! leaves `k - 1` when divided by `n`.
 
 use super::SweepError;
 
@@ -27,7 +28,8 @@ impl Shard {
         if (1..=count).contains(&index) { Ok(Self { index, count }) } else { Err(wrong()) }
     }
 
-    /// The shard of a task of a Slurm array, whose first task has shard 1; none where the environment tells of no array.
+    /// The shard of a task of a Slurm array, whose first task has shard 1; none where the
+    /// environment tells of no array.
     ///
     /// # Errors
     /// [`SweepError::Shard`] where the array's numbers are not evenly spaced.

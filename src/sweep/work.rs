@@ -17,7 +17,8 @@ use crate::scene::grid::PlannedRun;
 const FIRST_BLOCK: usize = 8;
 /// Most runs of a block.
 const MAX_BLOCK: usize = 1024;
-/// A block grows until it takes this long: a process that is killed loses no more than that, and writing costs nothing beside it.
+/// A block grows until it takes this long: a process that is killed loses no more than that, and
+/// writing costs nothing beside it.
 const BLOCK_TIME: Duration = Duration::from_millis(100);
 
 /// How a sweep is run.
@@ -44,8 +45,8 @@ pub struct RunCounts {
     pub first_failed: Option<(u64, String)>,
 }
 
-/// Runs those `pending` of `plan`, which is that of `job`, and adds each to `log` as soon as its block is finished; `done` is called with how many
-/// more are.
+/// Runs those `pending` of `plan`, which is that of `job`, and adds each to `log` as soon as its
+/// block is finished; `done` is called with how many more are.
 ///
 /// # Errors
 /// [`SweepError`] where the log cannot be written, or where the sweep's files have changed.
@@ -63,7 +64,8 @@ pub fn work(
         written: Mutex::new((log, RunCounts::default())),
         failed: Mutex::new(None),
     };
-    // Trees of scenes stay in the thread that made them, so every further thread reads the sweep itself.
+    // Trees of scenes stay in the thread that made them, so every further thread reads the sweep
+    // itself.
     let hash = plan.hash();
     let further = || match SweepPlan::load(&job.file, job.accuracy) {
         Ok(plan) if plan.hash() == hash => shared.work(&plan),

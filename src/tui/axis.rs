@@ -1,7 +1,8 @@
-//! The screen's axes: the window in time, the vertical scale of a trace, and the steps of the knobs.
+//! The screen's axes: the window in time, the vertical scale of a trace, and the steps of the
+//! knobs.
 //!
-//! Pure arithmetic, no terminal. A screen has 10 divisions across and 8 up, as on the instrument; positions are
-//! counted in divisions from the screen's centre, so that volts become divisions by
+//! Pure arithmetic, no terminal. A screen has 10 divisions across and 8 up, as on the instrument;
+//! positions are counted in divisions from the screen's centre, so that volts become divisions by
 //! `division = volts / scale + position`.
 
 use crate::scope::Waveform;
@@ -18,7 +19,8 @@ const HALF_WIDTH: f64 = 5.0;
 const SCALE_TOLERANCE: f64 = 1e-6;
 /// How far from the screen's centre zero volts may be moved (div).
 const MAX_POSITION: f64 = 1000.0;
-/// A record so many times longer than the screen it was taken on can be zoomed out further than recorded (1).
+/// A record so many times longer than the screen it was taken on can be zoomed out further than
+/// recorded (1).
 const ZOOM_OUT_THRESHOLD: f64 = 1.02;
 /// How many times the recorded V/div the screen may show (1).
 const MAX_SCALE_FACTOR: f64 = 100.0;
@@ -80,7 +82,8 @@ impl Steps {
         })
     }
 
-    /// The step next to `value` when the knob is turned; a `value` between two steps goes to the nearer end (unit).
+    /// The step next to `value` when the knob is turned; a `value` between two steps goes to the
+    /// nearer end (unit).
     pub fn next(self, value: f64, turn: TurnDirection) -> f64 {
         let steps = self.around(value);
         match turn {
@@ -94,7 +97,8 @@ impl Steps {
         .unwrap_or(value)
     }
 
-    /// Multiples of the smallest step that is not below `spacing`, from `low` to `high`, each with its factor (unit).
+    /// Multiples of the smallest step that is not below `spacing`, from `low` to `high`, each with
+    /// its factor (unit).
     pub fn multiples(self, (low, high): (f64, f64), spacing: f64) -> Vec<(i64, f64)> {
         let step = self.at_least(spacing);
         let (first, last) =
@@ -121,7 +125,8 @@ pub struct ViewWindow {
 }
 
 impl ViewWindow {
-    /// The window under which `waveform` was recorded: its whole record, unless its preamble says otherwise.
+    /// The window under which `waveform` was recorded: its whole record, unless its preamble says
+    /// otherwise.
     pub fn recorded(waveform: &Waveform) -> Self {
         let (start, end) = extent(waveform);
         let half = waveform.codes.len() as f64 / 2.0;
@@ -163,8 +168,8 @@ impl ViewWindow {
         (if finest.is_normal() { finest.min(coarsest) } else { coarsest }, coarsest)
     }
 
-    /// The window around `centre` with the next scale that is not below `scale`, as far as the record reaches. The centre is rounded to half
-    /// divisions.
+    /// The window around `centre` with the next scale that is not below `scale`, as far as the
+    /// record reaches. The centre is rounded to half divisions.
     pub fn around(waveform: &Waveform, centre: f64, scale: f64) -> Self {
         let (finest, coarsest) = Self::scales(waveform);
         let scale = Steps::OneTwoAndHalfFive.at_least(scale).clamp(finest, coarsest);
@@ -172,7 +177,8 @@ impl ViewWindow {
         Self { centre, scale }.kept_inside(waveform)
     }
 
-    /// This window after a turn of the s/div knob; what stands `anchor` divisions right of the centre stays there.
+    /// This window after a turn of the s/div knob; what stands `anchor` divisions right of the
+    /// centre stays there.
     pub fn zoomed(self, waveform: &Waveform, turn: TurnDirection, anchor: f64) -> Self {
         let (finest, coarsest) = Self::scales(waveform);
         let scale = Steps::OneTwoAndHalfFive.next(self.scale, turn).clamp(finest, coarsest);
@@ -232,7 +238,8 @@ impl Vertical {
         Self { scale, position }
     }
 
-    /// The scale after a turn of the V/div knob, between one level a division and 100 times the recorded scale (V/div).
+    /// The scale after a turn of the V/div knob, between one level a division and 100 times the
+    /// recorded scale (V/div).
     pub fn turned(self, waveform: &Waveform, turn: TurnDirection) -> f64 {
         let steps = Steps::OneTwoFive;
         let recorded = Self::recorded(waveform).scale;

@@ -1,4 +1,5 @@
-//! Keys to actions: one table, from which the help and the line of hints are made too; the keys themselves stand in `bindings`.
+//! Keys to actions: one table, from which the help and the line of hints are made too; the keys
+//! themselves stand in `bindings`.
 
 mod binding;
 mod bindings;
@@ -36,7 +37,8 @@ pub fn key_action(event: KeyEvent, panel: Popup) -> Option<Action> {
         .map(|(_, action)| *action)
 }
 
-/// A key event as the table writes it: terminals differ in whether a capital letter comes with Shift.
+/// A key event as the table writes it: terminals differ in whether a capital letter comes with
+/// Shift.
 fn pressed(event: KeyEvent) -> KeyPress {
     let told_apart = match event.code {
         KeyCode::Char(_) | KeyCode::BackTab => KeyModifiers::CONTROL | KeyModifiers::ALT,

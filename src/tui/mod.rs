@@ -1,11 +1,14 @@
-//! The scope's screen in a terminal: `hertzscope view` shows a recording on it, or a bench that can be played with.
+//! The scope's screen in a terminal: `hertzscope view` shows a recording on it, or a bench that can
+//! be played with.
 //!
-//! An event becomes an [`model::Action`] (`keys`), an action changes the [`ScreenState`]
-//! (`model`), the model is drawn (`view`); what takes long or touches files is done by threads (`work`), whose answers come through
-//! the same door as the keys. Only this file and `work` touch the world; everything else can be tested without one.
+//! An event becomes an [`model::Action`] (`keys`), an action changes the [`ScreenState`] (`model`),
+//! the model is drawn (`view`); what takes long or touches files is done by threads (`work`), whose
+//! answers come through the same door as the keys. Only this file and `work` touch the world;
+//! everything else can be tested without one.
 //!
-//! The screen is drawn again when something has happened and never otherwise. Events that are already waiting
-//! are taken together, so that holding a key down over a slow connection does not pile up frames.
+//! The screen is drawn again when something has happened and never otherwise. Events that are
+//! already waiting are taken together, so that holding a key down over a slow connection does not
+//! pile up frames.
 
 pub mod axis;
 pub mod keys;
@@ -54,11 +57,11 @@ pub struct CommandLine {
     pub tables: PrintedTables,
 }
 
-/// Shows `subject` under the name `title` until the user quits, `behind` it the recordings with these names, held against `against` if that
-/// is there.
+/// Shows `subject` under the name `title` until the user quits, `behind` it the recordings with
+/// these names, held against `against` if that is there.
 ///
-/// Takes over the terminal and gives it back, after a panic too. Colours are left out where the environment
-/// variable `NO_COLOR` is set and not empty.
+/// Takes over the terminal and gives it back, after a panic too. Colours are left out where the
+/// environment variable `NO_COLOR` is set and not empty.
 ///
 /// # Errors
 /// When the terminal cannot be set up, read or written.
@@ -103,7 +106,8 @@ pub fn run(
     })
 }
 
-/// Runs `work` on the terminal's alternate screen with the mouse, and restores the terminal, after a panic of this thread too.
+/// Runs `work` on the terminal's alternate screen with the mouse, and restores the terminal, after
+/// a panic of this thread too.
 ///
 /// # Errors
 /// Those of `work`, or when the terminal cannot be set up or restored.
@@ -115,8 +119,9 @@ pub fn on_terminal(work: impl FnOnce(&mut DefaultTerminal) -> io::Result<()>) ->
     result.and(mouse).and(restored)
 }
 
-/// Asks the terminal for the mouse; a panic of the screen hands the mouse back before the terminal is restored. One in a thread that
-/// works for the screen leaves the terminal alone: the screen goes on, and tells of it.
+/// Asks the terminal for the mouse; a panic of the screen hands the mouse back before the terminal
+/// is restored. One in a thread that works for the screen leaves the terminal alone: the screen
+/// goes on, and tells of it.
 fn watch_mouse() -> io::Result<()> {
     let restore_terminal = panic::take_hook();
     let screen = thread::current().id();
@@ -186,7 +191,8 @@ fn take(news: ScreenEvent, size: Size, model: &mut ScreenState) -> bool {
     true
 }
 
-/// Lets one event of the terminal act on the model; the mouse moves often and means something seldom.
+/// Lets one event of the terminal act on the model; the mouse moves often and means something
+/// seldom.
 fn press(event: &Event, size: Size, model: &mut ScreenState) -> bool {
     let layout = view::layout_of(model, Rect::from((Position::ORIGIN, size)));
     match keys::action(event, model, layout.as_ref()) {

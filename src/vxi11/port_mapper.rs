@@ -1,6 +1,8 @@
-//! The port mapper, which tells clients on port 111 where a program listens: version 2, over TCP and UDP. Source: RFC 1833, section 3.
+//! The port mapper, which tells clients on port 111 where a program listens: version 2, over TCP
+//! and UDP. Source: RFC 1833, section 3.
 //!
-//! Clients that speak a later version first (rpcbind, 3 and 4) are told that version 2 is there. Nobody can register or remove a program.
+//! Clients that speak a later version first (rpcbind, 3 and 4) are told that version 2 is there.
+//! Nobody can register or remove a program.
 
 use super::procedure::{ABORT_PROGRAM, CORE_PROGRAM, VERSION};
 use super::rpc::{Call, Refusal, XdrReader, words};
@@ -17,7 +19,8 @@ const DUMP: u32 = 4;
 /// Number of TCP among the protocols.
 const TCP: u32 = 6;
 
-/// The reply to a call in a datagram or record, where the VXI-11 server listens on `port`; none to what is no call.
+/// The reply to a call in a datagram or record, where the VXI-11 server listens on `port`; none to
+/// what is no call.
 pub fn answer(message: &[u8], port: u16) -> Option<Vec<u8>> {
     let call = match Call::parse(message) {
         Ok(call) => call,

@@ -1,4 +1,5 @@
-//! The procedures: their numbers, arguments and results. Source: VXI-11, appendix C (the protocol in RPCL), and table B.2 for errors.
+//! The procedures: their numbers, arguments and results. Source: VXI-11, appendix C (the protocol
+//! in RPCL), and table B.2 for errors.
 
 use super::rpc::{MAX_RECEIVE, Refusal, XdrReader, words};
 

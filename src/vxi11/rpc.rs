@@ -1,7 +1,8 @@
 //! ONC RPC over TCP: records in fragments, calls, replies, and the XDR items that they consist of.
 //!
-//! A fragment is a word with its length (31 bits) and, in the uppermost bit, whether it is a record's last, then its bytes. A call is
-//! `xid, 0, 2, program, version, procedure`, credentials and verifier, then the arguments. Sources: RFC 5531, sections 9 and 11; RFC 4506.
+//! A fragment is a word with its length (31 bits) and, in the uppermost bit, whether it is a
+//! record's last, then its bytes. A call is `xid, 0, 2, program, version, procedure`, credentials
+//! and verifier, then the arguments. Sources: RFC 5531, sections 9 and 11; RFC 4506.
 
 /// Longest data of a message's part that a client may send (bytes).
 pub const MAX_RECEIVE: usize = 64 * 1024;

@@ -62,7 +62,8 @@ struct Channel {
     interrupts: InterruptChannel,
 }
 
-/// What is to be done about a client's interrupt channel, which the number of its core channel identifies.
+/// What is to be done about a client's interrupt channel, which the number of its core channel
+/// identifies.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Interrupt {
     /// Connect; [`Vxi11Server::interrupt_channel`] takes what became of it.
@@ -153,7 +154,8 @@ impl Vxi11Server {
         }
     }
 
-    /// Whether a connection waits: a call of its own, or the instrument for the end of an acquisition.
+    /// Whether a connection waits: a call of its own, or the instrument for the end of an
+    /// acquisition.
     pub fn is_waiting(&self, connection: u64, device: &dyn Device) -> bool {
         let mut links = self.links.iter().filter(|(_, link)| link.connection == connection);
         self.channels.get(&connection).is_some_and(|channel| channel.waiting.is_some())
@@ -172,7 +174,8 @@ impl Vxi11Server {
         };
     }
 
-    /// Time has passed: it is `now` (s), on a clock that does not run backwards. Calls run out, and those who asked for service are told.
+    /// Time has passed: it is `now` (s), on a clock that does not run backwards. Calls run out, and
+    /// those who asked for service are told.
     pub fn advance(&mut self, now: f64, device: &mut dyn Device) {
         self.now = self.now.max(now);
         self.settle(device);
@@ -204,7 +207,8 @@ impl Vxi11Server {
         std::mem::take(&mut self.interrupts)
     }
 
-    /// Goes on with the calls that wait, for as long as one of them gets on: it may have freed a lock.
+    /// Goes on with the calls that wait, for as long as one of them gets on: it may have freed a
+    /// lock.
     pub fn settle(&mut self, device: &mut dyn Device) {
         let waits = |(number, channel): (&u64, &Channel)| channel.waiting.as_ref().map(|_| *number);
         let mut waiting: Vec<u64> = self.channels.iter().filter_map(waits).collect();
@@ -333,7 +337,8 @@ impl Vxi11Server {
         let Some(link) = self.links.get_mut(&number) else { return ErrorCode::InvalidLink.into() };
         let results = match procedure {
             Procedure::Write { data, end } => {
-                // A message that comes before the reply to the one before was read: that reply is lost.
+                // A message that comes before the reply to the one before was read: that reply is
+                // lost.
                 let unread = !link.reply.is_empty() || device.owes_reply(number);
                 if !std::mem::replace(&mut link.within_message, !end) && unread {
                     link.reply.clear();

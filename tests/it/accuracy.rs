@@ -1,4 +1,5 @@
-//! The accuracy that is asked for: held, estimated, and chosen from the scope where nobody names one.
+//! The accuracy that is asked for: held, estimated, and chosen from the scope where nobody names
+//! one.
 
 use hertzscope::experiment::accuracy::{doubt, of_scene, run_to_accuracy};
 use hertzscope::experiment::bench::{Bench, Grid};
@@ -19,7 +20,8 @@ fn simulate(scene: &Scene, integration: Integration) -> Summary {
     outcome(scene, integration).summary
 }
 
-/// Largest deviation of any sensor's force up to the end of the scene's duration, relative to its largest dynamic one.
+/// Largest deviation of any sensor's force up to the end of the scene's duration, relative to its
+/// largest dynamic one.
 fn trace_error(scene: &Scene, found: &Outcome, exact: &Outcome) -> f64 {
     let of = |outcome: &Outcome| -> Vec<Vec<f64>> {
         let sensors = outcome.shot.truth.iter().filter(|trace| trace.name.starts_with("sensor/"));
@@ -104,7 +106,8 @@ fn every_shipped_scene_is_as_accurate_as_asked_and_no_worse_than_it_says() {
     }
 }
 
-/// Peaks and arrivals come early. What comes late is known to half of the digits, or a run tells from when on it is not.
+/// Peaks and arrivals come early. What comes late is known to half of the digits, or a run tells
+/// from when on it is not.
 #[test]
 fn late_traces_are_known_to_half_of_the_digits() {
     let mut known = 0;
@@ -127,7 +130,8 @@ fn late_traces_are_known_to_half_of_the_digits() {
     assert!(known > 15, "{known}");
 }
 
-/// A sensor that the wave has not reached when the scene ends has no trace that could be off, and a scene in which none has no error at all.
+/// A sensor that the wave has not reached when the scene ends has no trace that could be off, and a
+/// scene in which none has no error at all.
 #[test]
 fn of_nothing_no_error_is_told() {
     let scene = |duration: &str| {
@@ -156,7 +160,8 @@ fn so_are_scenes_with_losses() {
     is_held("a dashpot", &scene, Method::DormandPrince54 { tolerance: 1e-14 });
 }
 
-/// A viscoelastic loss at the edge of what its method can do: beyond the accuracy, and the estimate tells.
+/// A viscoelastic loss at the edge of what its method can do: beyond the accuracy, and the estimate
+/// tells.
 #[test]
 fn an_error_beyond_the_accuracy_is_told() {
     let text = "base = \"gravity-2.75g\"\n[effects.kuwabara_kono]\neta = \"1e-18 s\"\nend_of_contact = \"zero_force\"\n";
@@ -187,13 +192,14 @@ fn by_hand_the_error_that_is_told_is_the_run_s_own() {
         let (peak, arrival) = errors(&found, &simulate(&scene, Integration::Method(exact)));
         let told = found.error_estimate.expect("an estimate");
         println!("{name} by {method}: told {told:?}, is {peak:e}, {arrival:e}");
-        // The first tighter run alone would add what it may be off itself, 3e-4: a tenth of these errors and more.
+        // The first tighter run alone would add what it may be off itself, 3e-4: a tenth of these
+        // errors and more.
         assert!((told.worst() / peak.max(arrival) - 1.0).abs() < 0.01, "{name}: {told:?}");
     }
 }
 
-/// Steps that do for first peaks make or lose more than a tenth of the energy in motion within 300 ms, so that late motion is not even right in
-/// its statistics.
+/// Steps that do for first peaks make or lose more than a tenth of the energy in motion within 300
+/// ms, so that late motion is not even right in its statistics.
 #[test]
 fn motion_that_goes_on_for_long_keeps_its_energy() {
     let mut scene = Scene::load("magnet-0.61g").expect("a shipped scene");
@@ -205,8 +211,9 @@ fn motion_that_goes_on_for_long_keeps_its_energy() {
     assert!(found.energy.drift.abs() <= 0.1, "{:e}", found.energy.drift);
 }
 
-/// Three light beads rattle: at particle 1 a maximum at 7.55 us is first as long as the largest force, which comes much later, is
-/// below four times it. An accuracy of 1e-5 took one at 138 us for the first, 1e-4 claimed to know the other within 6e-6.
+/// Three light beads rattle: at particle 1 a maximum at 7.55 us is first as long as the largest
+/// force, which comes much later, is below four times it. An accuracy of 1e-5 took one at 138 us
+/// for the first, 1e-4 claimed to know the other within 6e-6.
 #[test]
 fn first_peaks_that_hang_on_late_forces_are_told() {
     let text = "

@@ -1,4 +1,5 @@
-//! Questions to signals, against closed forms, other people's numbers, and what the simulated bench knows.
+//! Questions to signals, against closed forms, other people's numbers, and what the simulated bench
+//! knows.
 
 mod arrival;
 mod commands;

@@ -1,23 +1,23 @@
-//! Checks which module uses which, that type names are unique, that numbers have units, how long files are, and ARCHITECTURE.md's list of folders.
+//! Checks which module uses which, that numbers have units, how wide comments are, and
+//! ARCHITECTURE.md's list of folders.
 //!
 //! `ARCHITECTURE.md` names what is allowed; this test reads it there, so that the document cannot
 //! drift away from the code. Each rule is a function from sources to violations, and each is shown
 //! to find a violation in a small source of its own, since a check that cannot fail checks nothing.
 //!
-//! Limits: the sources are read, not compiled. A module that is reached through a macro of another crate,
-//! or a file pulled in by `include!`, is not seen.
+//! Limits: the sources are read, not compiled. A module that is reached through a macro of another
+//! crate, or a file pulled in by `include!`, is not seen.
 
 mod circles;
 mod dependencies;
 mod folders;
 mod named;
-mod names;
 mod paths;
-mod sizes;
 mod source;
 mod table;
 mod units;
 mod walls;
+mod widths;
 
 use source::{SourceFile, Violation};
 use std::fmt::Write as _;
@@ -83,18 +83,13 @@ fn files_of_a_module_do_not_use_each_other_in_circles() {
 }
 
 #[test]
-fn every_public_type_name_stands_for_one_thing() {
-    refuse(names::check(&sources()));
-}
-
-#[test]
 fn every_public_f64_names_its_unit() {
     refuse(units::check(&sources()));
 }
 
 #[test]
-fn files_and_functions_keep_their_size() {
-    refuse(sizes::check(&sources()));
+fn comments_wrap_at_100_columns() {
+    refuse(widths::check(&sources()));
 }
 
 #[test]

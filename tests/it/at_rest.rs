@@ -45,7 +45,8 @@ fn standing(particles: usize, gravity: f64, magnet: Option<(usize, f64)>) -> Cha
     ChainSpec { bottom: End::Wall(STEEL), effects, ..pressed(particles, 0.0, false) }
 }
 
-/// Chains with names: preloaded or not, on a wall, squeezed, between walls, of one bead and of many.
+/// Chains with names: preloaded or not, on a wall, squeezed, between walls, of one bead and of
+/// many.
 fn chains() -> Vec<(&'static str, ChainSpec)> {
     let odd = |count| {
         (0..count)

@@ -15,7 +15,8 @@ use hertzscope::studies::momentum_test::BlindCalibration;
 use hertzscope::studies::momentum_test::design::{Designer, TestDesign};
 use hertzscope::studies::momentum_test::simulation::{ImpactTruth, setting};
 
-/// What most tests calibrate: 1.22 g with a PTFE face from 20, 10 and 5 mm, at 1 V/div and 100 us/div.
+/// What most tests calibrate: 1.22 g with a PTFE face from 20, 10 and 5 mm, at 1 V/div and 100
+/// us/div.
 pub struct Bench {
     pub designer: Designer,
     pub striker: LabStriker,

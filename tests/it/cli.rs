@@ -1,4 +1,5 @@
-//! The command line as a user meets it: exit codes, what is printed where, and what is left on disk.
+//! The command line as a user meets it: exit codes, what is printed where, and what is left on
+//! disk.
 
 mod convert;
 mod cost;
@@ -58,7 +59,8 @@ fn printed(folder: &Path, arguments: &[&str]) -> String {
     done.stdout
 }
 
-/// What the program says when it cannot: on standard error, with exit code 2, and nothing on standard output.
+/// What the program says when it cannot: on standard error, with exit code 2, and nothing on
+/// standard output.
 fn refused(folder: &Path, arguments: &[&str]) -> String {
     let done = hertzscope(folder, arguments);
     assert_eq!(done.code, COULD_NOT, "{arguments:?}: {}{}", done.stdout, done.stderr);

@@ -1,4 +1,5 @@
-//! Shots taken from a scope over each kind of line, sample by sample against the server's own recording; and lines that fail.
+//! Shots taken from a scope over each kind of line, sample by sample against the server's own
+//! recording; and lines that fail.
 
 mod addresses;
 mod command;

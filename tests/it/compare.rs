@@ -36,8 +36,8 @@ fn held(measured: &Scene, simulated: &Scene, align: Align) -> Compared {
     compare(sides.0, sides.1, (align, &[]), &ScoreLimits::default()).expect("a comparison")
 }
 
-/// The bench compared with itself through the scope's own files: not one level anywhere, whatever it is aligned by; and the scores
-/// travel with the recording.
+/// The bench compared with itself through the scope's own files: not one level anywhere, whatever
+/// it is aligned by; and the scores travel with the recording.
 #[test]
 fn a_recording_is_itself_through_csv() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -88,8 +88,9 @@ fn half_rise<'a>(comparison: &'a Comparison, from: &str) -> &'a SpeedScore {
     comparison.speeds.iter().find(of).expect("a speed")
 }
 
-/// A chain with dashpots against the lossless one: from 14 to 27 the preloaded chain is faster by 2.8 % and the unloaded one slower
-/// by 6.8 %, as calculated outside of this program; and everywhere the amplitude is lower.
+/// A chain with dashpots against the lossless one: from 14 to 27 the preloaded chain is faster by
+/// 2.8 % and the unloaded one slower by 6.8 %, as calculated outside of this program; and
+/// everywhere the amplitude is lower.
 #[test]
 fn losses_show_with_the_right_signs() {
     for (base, expected) in [("magnet-0.61g", 0.028_f64), ("gravity-0.61g", -0.068)] {
@@ -111,7 +112,8 @@ fn losses_show_with_the_right_signs() {
     }
 }
 
-/// Which side is called measured makes no difference to what is found: the gains of two unlike traces are each other's inverse, and so are their intervals.
+/// Which side is called measured makes no difference to what is found: the gains of two unlike
+/// traces are each other's inverse, and so are their intervals.
 #[test]
 fn gains_either_way_round_are_the_same() {
     let (with, without) = (lossy("magnet-0.61g"), Scene::load("magnet-0.61g").expect("a scene"));
@@ -125,8 +127,8 @@ fn gains_either_way_round_are_the_same() {
     }
 }
 
-/// The time between both triggers: the same bench triggers at the same time of its motion, so that the shift, whose zeros are sample clocks, is none but for
-/// what its uncertainty says.
+/// The time between both triggers: the same bench triggers at the same time of its motion, so that
+/// the shift, whose zeros are sample clocks, is none but for what its uncertainty says.
 #[test]
 fn the_shifts_uncertainty_has_the_triggers_in_it() {
     let scene = Scene::load("magnet-0.61g").expect("a scene");
@@ -146,7 +148,8 @@ fn the_shifts_uncertainty_has_the_triggers_in_it() {
     assert!(inside >= 34, "{inside} of {all}");
 }
 
-/// Two shots of one bench differ by noise and by the clock's phase, and by nothing that a comparison finds.
+/// Two shots of one bench differ by noise and by the clock's phase, and by nothing that a
+/// comparison finds.
 #[test]
 fn another_shot_of_the_same_bench_passes() {
     let scene = Scene::load("magnet-0.61g").expect("a scene");
@@ -155,7 +158,8 @@ fn another_shot_of_the_same_bench_passes() {
         let found = held(&scene, &other, align).comparison;
         assert_eq!(found.verdict, "pass", "{:?}", found.failures);
         for channel in &found.channels {
-            // Noise of 0.5 levels and rounding of 12^-1/2 on both sides, of which interpolation takes a share away.
+            // Noise of 0.5 levels and rounding of 12^-1/2 on both sides, of which interpolation
+            // takes a share away.
             let most = (2.0_f64 * (0.25 + 1.0 / 12.0)).sqrt();
             assert!(channel.rms_lsb < 1.05 * most, "{align:?}: {channel:?}");
             let peak = channel.peak_error.expect("a peak");
@@ -190,7 +194,8 @@ fn what_cannot_be_compared_is_said() {
     }
 }
 
-/// Real captures, which have nothing to do with the bench: scores or a refusal, and no number that is none.
+/// Real captures, which have nothing to do with the bench: scores or a refusal, and no number that
+/// is none.
 #[test]
 fn real_captures_are_scored_or_refused() {
     let Some(folder) = std::env::var_os("HERTZSCOPE_CAPTURES") else {
@@ -231,7 +236,8 @@ fn real_captures_are_scored_or_refused() {
             hertzscope(&["fit", &file, "magnet-0.61g", "--free", "striker.speed", "--starts", "1"]);
         let output = { fitted }.output().expect("output");
         let error = String::from_utf8_lossy(&output.stderr).into_owned();
-        // A record that does not determine the speed, or that the scene does not explain, ends with exit code 1 and says so.
+        // A record that does not determine the speed, or that the scene does not explain, ends with
+        // exit code 1 and says so.
         let page = String::from_utf8_lossy(&output.stdout).into_owned();
         let is_undetermined = output.status.code() == Some(1)
             && (error.contains("do not determine") || page.contains("more than noise is left"));

@@ -11,7 +11,8 @@ fn drift(bench: &Bench<'_>) -> f64 {
     (now.total() - before.total()) / before.kinetic
 }
 
-/// Free ends, openings and closings, either method: forces come in pairs, so only rounding can change momentum.
+/// Free ends, openings and closings, either method: forces come in pairs, so only rounding can
+/// change momentum.
 #[test]
 fn momentum_is_conserved() {
     let particles: Vec<_> = (0..10).flat_map(|_| [ptfe_sphere(), steel_cylinder()]).collect();
@@ -30,7 +31,8 @@ fn momentum_is_conserved() {
     }
 }
 
-/// The error control keeps energy to its tolerance although nothing in the method knows about energy.
+/// The error control keeps energy to its tolerance although nothing in the method knows about
+/// energy.
 #[test]
 fn adaptive_method_keeps_energy_to_its_tolerance() {
     let chain = diatomic(20, 2.38, false);
@@ -44,8 +46,8 @@ fn adaptive_method_keeps_energy_to_its_tolerance() {
     }
 }
 
-/// With every contact closed, Verlet's energy error stays within a bound of order step squared: ten times as long a run is no
-/// worse, half the step is four times better.
+/// With every contact closed, Verlet's energy error stays within a bound of order step squared: ten
+/// times as long a run is no worse, half the step is four times better.
 #[test]
 fn verlet_energy_is_bounded_while_contacts_stay_closed() {
     let chain = diatomic(20, 2.38, false);
@@ -64,12 +66,14 @@ fn verlet_energy_is_bounded_while_contacts_stay_closed() {
     assert!((2.5..6.0).contains(&(short / finer)), "{short:e} and {finer:e}");
 }
 
-/// Where contacts open and close it is not: each time the force has a kink within a step, the energy changes by a little, up as well as down, for good. Over
-/// many motions it wanders away as the root of the time does, and less in shorter steps; the ledger tells it.
+/// Where contacts open and close it is not: each time the force has a kink within a step, the
+/// energy changes by a little, up as well as down, for good. Over many motions it wanders away as
+/// the root of the time does, and less in shorter steps; the ledger tells it.
 #[test]
 fn verlet_energy_wanders_where_contacts_open() {
     let chain = diatomic(3, 0.5, false);
-    // Root mean square over motions of what the energy is off, up and down within 2 ms averaged out, at two times (1).
+    // Root mean square over motions of what the energy is off, up and down within 2 ms averaged
+    // out, at two times (1).
     let wandered = |step: f64, at: [f64; 2]| {
         let mut squares = [0.0; 2];
         for motion in 0..32_u8 {
@@ -94,8 +98,8 @@ fn verlet_energy_wanders_where_contacts_open() {
     assert!(finer < 0.2 * late, "{late:e}, {finer:e}");
 }
 
-/// Times that do not divide evenly leave a remainder of the rounding's size; a step of its own would divide by it. The
-/// first peak of a force that is still rising is none.
+/// Times that do not divide evenly leave a remainder of the rounding's size; a step of its own
+/// would divide by it. The first peak of a force that is still rising is none.
 #[test]
 fn remainders_of_rounding_are_no_steps() {
     let chain = diatomic(10, 2.38, false);

@@ -1,4 +1,5 @@
-//! Every example of the README and of `docs/` is executed, page by page from top to bottom, as a reader would who types it in.
+//! Every example of the README and of `docs/` is executed, page by page from top to bottom, as a
+//! reader would who types it in.
 //!
 //! What stands behind a block's fence says what it is:
 //! - `toml FILE` is a file in the page's folder, used by a command of the page;

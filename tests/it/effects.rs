@@ -1,4 +1,5 @@
-//! The effects ledger: what it says against runs made apart from it, and effects that are off against effects that are not there.
+//! The effects ledger: what it says against runs made apart from it, and effects that are off
+//! against effects that are not there.
 
 use hertzscope::experiment::auto_effects::{change_upper_bound, resolve_auto_effects};
 use hertzscope::experiment::outcome::{Reading, Summary};
@@ -49,7 +50,8 @@ fn what_an_effect_changes_is_what_two_runs_say() {
     assert!((said.peak.unwrap() - peak).abs() < 4e-6, "{said:?} {peak}");
     assert!((said.arrival.unwrap() - arrival).abs() < 4e-6, "{said:?} {arrival}");
     assert_eq!(entry(&found, "gravity").state, EffectState::On);
-    // The chain of the paper: 0.45 + 19 x 0.1226 + 18 x 0.485 g under 9.81 m/s2, against waves of newtons.
+    // The chain of the paper: 0.45 + 19 x 0.1226 + 18 x 0.485 g under 9.81 m/s2, against waves of
+    // newtons.
     let weight = (0.45 + 19.0 * 0.1226 + 18.0 * 0.485) * 1e-3 * 9.81;
     let value = entry(&found, "gravity").value.expect("a value");
     let weakest = on.sensors.iter().map(|s| s.first_peak.unwrap().dynamic_n).fold(9e9, f64::min);
@@ -73,8 +75,8 @@ fn what_an_effect_changes_is_what_two_runs_say() {
     assert!((entry(&found, "bandwidth").value.unwrap() / delay - 1.0).abs() < 1e-9);
 }
 
-/// In a sonic vacuum forces go as the speed to the power 6/5 and times to the power -1/5, whatever the speed is: Nesterenko, J. Appl. Mech. Tech. Phys. 24,
-/// 733 (1983).
+/// In a sonic vacuum forces go as the speed to the power 6/5 and times to the power -1/5, whatever
+/// the speed is: Nesterenko, J. Appl. Mech. Tech. Phys. 24, 733 (1983).
 #[test]
 fn a_spread_of_speeds_changes_what_one_standard_deviation_does() {
     let spread = 0.05_f64;
@@ -90,7 +92,8 @@ fn a_spread_of_speeds_changes_what_one_standard_deviation_does() {
     );
 }
 
-/// Host masses, plates off centre and a loss, all with values: a line each that is on and has been measured.
+/// Host masses, plates off centre and a loss, all with values: a line each that is on and has been
+/// measured.
 #[test]
 fn what_is_on_is_measured() {
     let more = "[effects.dashpot]\ngamma = \"0.8 N*s/m\"\nend_of_contact = \"zero_force\"\n\
@@ -118,8 +121,9 @@ fn what_is_on_is_measured() {
     assert!((entry(&found, "host_mass").value.unwrap() - (0.13 / 0.1226 - 1.0)).abs() < 1e-12);
 }
 
-/// Plates within 20 % of both constants, evenly: 95 % of the largest changes of four first peaks, by draws of a linear congruence, whatever the scene's seed is. One draw
-/// was 13.3 % with the scene's own seed.
+/// Plates within 20 % of both constants, evenly: 95 % of the largest changes of four first peaks,
+/// by draws of a linear congruence, whatever the scene's seed is. One draw was 13.3 % with the
+/// scene's own seed.
 #[test]
 fn effects_of_chance_do_not_go_by_one_draw() {
     let mut state = 3_u64;
@@ -127,7 +131,8 @@ fn effects_of_chance_do_not_go_by_one_draw() {
         state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         2.0 * ((state >> 11) as f64 / (1_u64 << 53) as f64) - 1.0
     };
-    // d33 over the capacitances of plate, cable and input, 1017 pF, of which the ceramic's are 287 pF.
+    // d33 over the capacitances of plate, cable and input, 1017 pF, of which the ceramic's are 287
+    // pF.
     let mut change = || (1.0 + 0.2 * even()) / (1.0 + 0.2 * 287.0 / 1017.0 * even()) - 1.0;
     let mut largest: Vec<f64> =
         (0..20_000).map(|_| (0..4).map(|_| change().abs()).fold(0.0, f64::max)).collect();
@@ -171,7 +176,8 @@ fn by_one_method(scene: &Scene) -> Summary {
     run(scene, method, 1, &mut |_| ()).expect("a run").summary
 }
 
-/// Two equal spheres that meet at twice the speed of each, with a loss of this force at 1 m/s (N) that goes as the fifth power of that.
+/// Two equal spheres that meet at twice the speed of each, with a loss of this force at 1 m/s (N)
+/// that goes as the fifth power of that.
 fn head_on(force: f64) -> Scene {
     let text = format!(
         "
@@ -256,7 +262,8 @@ fn left_to_accuracy() -> Vec<(&'static str, Scene)> {
     scenes
 }
 
-/// A magnet's law: what the ledger says is what two runs say, on where the scene has a ring, and against a ring where it has a force.
+/// A magnet's law: what the ledger says is what two runs say, on where the scene has a ring, and
+/// against a ring where it has a force.
 #[test]
 fn a_magnets_law_is_measured() {
     let magnet =
@@ -308,7 +315,8 @@ fn auto_leaves_out_only_what_cannot_be_seen() {
     assert!(out >= 20 && kept >= 10, "{out} left out, {kept} kept");
 }
 
-/// The same motion, bit for bit, by the same number of evaluations: an effect that is off is no part of what is integrated.
+/// The same motion, bit for bit, by the same number of evaluations: an effect that is off is no
+/// part of what is integrated.
 #[test]
 fn an_effect_that_is_off_is_as_if_it_were_not_there() {
     let dashpot = "gamma = \"0.8 N*s/m\"\nend_of_contact = \"zero_force\"\n";

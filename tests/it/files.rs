@@ -1,6 +1,8 @@
-//! Files that the program writes: whatever ends it, each name holds what it held before or all that is new.
+//! Files that the program writes: whatever ends it, each name holds what it held before or all that
+//! is new.
 //!
-//! `HERTZSCOPE_TEST_ABORT_AT=N` ends a development build at its N-th write, creation or renaming, as `kill -9` would: no destructor runs.
+//! `HERTZSCOPE_TEST_ABORT_AT=N` ends a development build at its N-th write, creation or renaming,
+//! as `kill -9` would: no destructor runs.
 
 mod killed;
 mod two_writers;
@@ -12,7 +14,8 @@ use std::process::{Command, Stdio};
 /// A run that is quick: this is about files, not about physics.
 const QUICK: [&str; 2] = ["--accuracy", "1e-3"];
 
-/// Every visible file under `folder` with its content. Hidden ones are temporary and open as nothing.
+/// Every visible file under `folder` with its content. Hidden ones are temporary and open as
+/// nothing.
 fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut all = BTreeMap::new();
     for entry in std::fs::read_dir(folder).into_iter().flatten() {

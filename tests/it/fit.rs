@@ -23,7 +23,8 @@ fn knobs(scene: &mut Adjustable, paths: &[&str]) -> Vec<AdjustableNumber> {
     paths.iter().flat_map(|path| scene.knobs(path).expect("knobs")).collect()
 }
 
-/// The shipped recording, through the scope's CSV files, gives back what its scene says, and the fitted scene stands on it.
+/// The shipped recording, through the scope's CSV files, gives back what its scene says, and the
+/// fitted scene stands on it.
 #[test]
 fn a_recording_gives_its_scene_back() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -40,12 +41,14 @@ fn a_recording_gives_its_scene_back() {
     let parameters = found["parameters"].as_array().expect("parameters");
     assert_eq!(parameters.len(), 6);
     for parameter in parameters {
-        // The recording was made by the scene's own numbers, at which the fit starts; one draw, so three deviations.
+        // The recording was made by the scene's own numbers, at which the fit starts; one draw, so
+        // three deviations.
         let off = (number(&parameter["value"]) - number(&parameter["start"])).abs();
         assert!(off < 3.0 * number(&parameter["u"]), "{parameter}");
         assert!(number(&parameter["u_relative"]) < 0.01, "{parameter}");
     }
-    // Covariance and correlations are of one kind: the diagonal is the squared uncertainty, in SI units.
+    // Covariance and correlations are of one kind: the diagonal is the squared uncertainty, in SI
+    // units.
     let (covariance, correlation) = (&found["covariance"], &found["correlation"]);
     for (i, parameter) in parameters.iter().enumerate() {
         let u = number(&parameter["u"]);
@@ -85,7 +88,8 @@ fn a_dashpot_is_found() {
         let off = (number(&parameter["value"]) - truth).abs();
         assert!(off < 3.0 * number(&parameter["u"]), "{parameter}");
     }
-    // A well determined number has a parabola for a profile: its interval is the normal distribution's.
+    // A well determined number has a parabola for a profile: its interval is the normal
+    // distribution's.
     for (profile, parameter) in found["profiles"]
         .as_array()
         .expect("profiles")
@@ -99,8 +103,9 @@ fn a_dashpot_is_found() {
     }
 }
 
-/// Hidden numbers, noise and eight bits: stated intervals hold the truth as often as they say. A short chain, so that it is quick;
-/// `hertzscope fit --blind 200` does the same with the whole bench.
+/// Hidden numbers, noise and eight bits: stated intervals hold the truth as often as they say. A
+/// short chain, so that it is quick; `hertzscope fit --blind 200` does the same with the whole
+/// bench.
 #[test]
 fn hidden_numbers_are_recovered_within_their_uncertainty() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -128,8 +133,9 @@ fn hidden_numbers_are_recovered_within_their_uncertainty() {
     }
 }
 
-/// Over whole records a reverberating chain has valleys beside the true one, in which a few of 200 fits from 5 % off end: with the seeds of these
-/// trials none does. Each fit's six intervals go together: they count as one.
+/// Over whole records a reverberating chain has valleys beside the true one, in which a few of 200
+/// fits from 5 % off end: with the seeds of these trials none does. Each fit's six intervals go
+/// together: they count as one.
 #[test]
 fn whole_records_hardly_ever_lead_astray() {
     let mut scene = Adjustable::load("magnet-0.61g").expect("a scene");
@@ -178,7 +184,8 @@ fn what_cannot_be_fitted_is_said() {
     }
 }
 
-/// A chain with losses that a scene without them is fitted to: more than noise is left, which the page, JSON and the exit code say.
+/// A chain with losses that a scene without them is fitted to: more than noise is left, which the
+/// page, JSON and the exit code say.
 #[test]
 fn a_fit_whose_residuals_are_more_than_noise_ends_with_1() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,5 +1,5 @@
-//! Every input of the fuzz targets' corpora through the targets themselves: what fuzzing has found stays found, and the targets
-//! follow the program.
+//! Every input of the fuzz targets' corpora through the targets themselves: what fuzzing has found
+//! stays found, and the targets follow the program.
 
 use std::path::Path;
 

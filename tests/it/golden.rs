@@ -140,9 +140,10 @@ fn farthest(found: &[f64], golden: &[f64]) -> f64 {
 
 /// All eight table scenes against quadruple precision: what remains is rounding.
 ///
-/// Rounding alone may leave 1e-15 m and 1e-11 m/s: thousands of steps of half an ulp of the largest displacement (1e-4 m)
-/// and speed (0.4 m/s). Rattling scenes amplify it: the same scene with its striker faster by 1e-10 shows by how much, and
-/// an ulp (2.2e-16) of position and one of velocity in each of about 5600 steps may add up to a change of 2.5e-12.
+/// Rounding alone may leave 1e-15 m and 1e-11 m/s: thousands of steps of half an ulp of the largest
+/// displacement (1e-4 m) and speed (0.4 m/s). Rattling scenes amplify it: the same scene with its
+/// striker faster by 1e-10 shows by how much, and an ulp (2.2e-16) of position and one of velocity
+/// in each of about 5600 steps may add up to a change of 2.5e-12.
 #[test]
 fn states_meet_quadruple_precision() {
     let quad = json("quad/states.json");
@@ -167,8 +168,8 @@ fn states_meet_quadruple_precision() {
     }
 }
 
-/// The states of `bench-goldens.json` to within the largest error stated for each; twice that for magnet-0.61g, whose
-/// stated error quadruple precision shows to be half the true one.
+/// The states of `bench-goldens.json` to within the largest error stated for each; twice that for
+/// magnet-0.61g, whose stated error quadruple precision shows to be half the true one.
 #[test]
 fn states_meet_the_goldens_within_their_error() {
     let goldens = json("bench-goldens.json");
@@ -196,8 +197,8 @@ fn states_meet_the_goldens_within_their_error() {
     }
 }
 
-/// Bodies of the linear chain at 1 ms and 4 ms, to twice the largest error stated: that error is the difference of two
-/// solutions, and one may stand on the other side of the truth.
+/// Bodies of the linear chain at 1 ms and 4 ms, to twice the largest error stated: that error is
+/// the difference of two solutions, and one may stand on the other side of the truth.
 #[test]
 fn linear_chain_states_meet_the_golden() {
     let goldens = json("bench-goldens.json");
@@ -216,7 +217,8 @@ fn linear_chain_states_meet_the_golden() {
     }
 }
 
-/// Every shipped scene at three accuracies against the tightest one, which the tests above hold to other people's numbers.
+/// Every shipped scene at three accuracies against the tightest one, which the tests above hold to
+/// other people's numbers.
 #[test]
 fn accuracy_asked_for_is_kept_in_every_shipped_scene() {
     for scene in Scene::names() {

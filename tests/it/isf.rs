@@ -1,5 +1,5 @@
-//! ISF files: heads as instruments of other families wrote them, a whole capture from disk, round trips, refusals,
-//! random bytes.
+//! ISF files: heads as instruments of other families wrote them, a whole capture from disk, round
+//! trips, refusals, random bytes.
 
 use std::path::Path;
 
@@ -88,8 +88,8 @@ fn a_capture_of_16_bits() {
     assert_eq!(waveform.vertical.coupling, Some(Coupling::Dc));
 }
 
-/// Level 100, byte by byte, in every encoding; the value is `(100 - 50) * 8 mV = 0.4 V`. Preambles with YOFF as a
-/// TDS2024C gave them: 50, 178 with RP, 12800 and 45568 for two bytes.
+/// Level 100, byte by byte, in every encoding; the value is `(100 - 50) * 8 mV = 0.4 V`. Preambles
+/// with YOFF as a TDS2024C gave them: 50, 178 with RP, 12800 and 45568 for two bytes.
 #[test]
 fn encodings_agree() {
     let head = |bytes: u8, numbers: &str, order: &str, y_mult: &str, y_off: &str| {
@@ -182,8 +182,8 @@ fn made_up(codes: Vec<i16>) -> Capture {
     }
 }
 
-/// The preamble is what a TDS 2024 answered for these settings, fact sheet section 2.3, but for the channel and the
-/// byte order, which is that of `RIBinary`.
+/// The preamble is what a TDS 2024 answered for these settings, fact sheet section 2.3, but for the
+/// channel and the byte order, which is that of `RIBinary`.
 #[test]
 fn the_preamble_is_the_instruments_own() {
     let capture = made_up((0..2500).map(|i| i16::try_from(i % 256 - 128).unwrap()).collect());

@@ -1,4 +1,5 @@
-//! Losses of the contacts: closed forms, a solution made elsewhere, the ledger, and what losses do to the bench.
+//! Losses of the contacts: closed forms, a solution made elsewhere, the ledger, and what losses do
+//! to the bench.
 
 mod accuracy;
 mod bench;

@@ -1,4 +1,5 @@
-//! The ring magnet against current loops summed up here, measured tables, the files, and the command.
+//! The ring magnet against current loops summed up here, measured tables, the files, and the
+//! command.
 
 mod motion;
 
@@ -24,8 +25,9 @@ fn ring(outer: f64, inner: f64, length: f64, remanence: f64) -> RingMagnet {
     }
 }
 
-/// Field of a loop with one ampere on its axis by Biot and Savart's law, element by element: of `mu0/(4 pi) dl x r / |r|^3` what
-/// points along the axis. Every element of a loop gives the same to a point on the axis; 12 of them check that too.
+/// Field of a loop with one ampere on its axis by Biot and Savart's law, element by element: of
+/// `mu0/(4 pi) dl x r / |r|^3` what points along the axis. Every element of a loop gives the same
+/// to a point on the axis; 12 of them check that too.
 fn loop_field(radius: f64, along: f64) -> f64 {
     let elements = 12;
     let step = TAU / f64::from(elements);
@@ -41,8 +43,9 @@ fn loop_field(radius: f64, along: f64) -> f64 {
     (0..elements).map(part).sum()
 }
 
-/// Field on a ring's axis from loops along both its cylinders, `Br/mu0` amperes a metre, against each other: Gauss and
-/// Legendre's rule with five points in each of 200 parts, whose error is far below rounding.
+/// Field on a ring's axis from loops along both its cylinders, `Br/mu0` amperes a metre, against
+/// each other: Gauss and Legendre's rule with five points in each of 200 parts, whose error is far
+/// below rounding.
 fn summed_field(ring: &RingMagnet, z: f64) -> f64 {
     const RULE: [(f64, f64); 5] = [
         (0.0, 0.5688888888888889),
@@ -66,8 +69,8 @@ fn summed_field(ring: &RingMagnet, z: f64) -> f64 {
     sum
 }
 
-/// Slope of the summed field by the central difference of eighth order; with steps of 50 um its error is
-/// `h^8 B^(9)/630`, below 1e-11 of the slope for a field that changes over 3 mm.
+/// Slope of the summed field by the central difference of eighth order; with steps of 50 um its
+/// error is `h^8 B^(9)/630`, below 1e-11 of the slope for a field that changes over 3 mm.
 fn summed_gradient(ring: &RingMagnet, z: f64) -> f64 {
     let step = 50e-6;
     let weights = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
@@ -85,7 +88,8 @@ fn field_and_gradient_are_those_of_current_loops() {
         for z in [-9e-3, -3.4e-3, -1.1e-3, 0.0, 1e-3, 2.3e-3, 3e-3, 3.37e-3, 5e-3, 8e-3, 20e-3] {
             let (found, exact) = (field.field(z), summed_field(&magnet, z));
             assert!((found / exact - 1.0).abs() < 1e-10, "{z}: {found} T, summed {exact} T");
-            // At the centre the slope is zero by symmetry: there it is held to the slope at the face.
+            // At the centre the slope is zero by symmetry: there it is held to the slope at the
+            // face.
             let (found, exact) = (field.gradient(z), summed_gradient(&magnet, z));
             let scale = if z == 0.0 { field.gradient(3e-3).abs() } else { exact.abs() };
             assert!((found - exact).abs() < 1e-8 * scale, "{z}: {found} T/m, summed {exact} T/m");
@@ -93,8 +97,9 @@ fn field_and_gradient_are_those_of_current_loops() {
     }
 }
 
-/// Far away a ring is a dipole, `B = mu0 m/(2 pi z^3)`, `m = Br V/mu0`, times `1 + [L^2/2 - 3 (R1^2 + R2^2)/2]/z^2` and terms of
-/// fourth order (the loops' field expanded in `1/z`).
+/// Far away a ring is a dipole, `B = mu0 m/(2 pi z^3)`, `m = Br V/mu0`, times
+/// `1 + [L^2/2 - 3 (R1^2 + R2^2)/2]/z^2` and terms of fourth order (the loops' field expanded in
+/// `1/z`).
 #[test]
 fn far_away_it_is_a_dipole() {
     let magnet = ring(15e-3, 6e-3, 6e-3, 1.3);
@@ -103,7 +108,8 @@ fn far_away_it_is_a_dipole() {
     let dipole = 1.3 * volume / (TAU * z.powi(3));
     let next = (0.5 * 6e-3_f64.powi(2) - 1.5 * (3e-3_f64.powi(2) + 7.5e-3_f64.powi(2))) / (z * z);
     let found = magnet.at(ROOM).field(z) / dipole - 1.0 - next;
-    // The fourth order's coefficient is a few; the difference of g's cancels to 1e-16/1e-5 of what is left.
+    // The fourth order's coefficient is a few; the difference of g's cancels to 1e-16/1e-5 of what
+    // is left.
     assert!(found.abs() < 10.0 * (7.5e-3 / z).powi(4), "{found:e}");
 }
 
@@ -131,8 +137,8 @@ fn force_below_and_above_saturation() {
     assert!((edge(at * (1.0 - 1e-9)) / edge(at * (1.0 + 1e-9)) - 1.0).abs() < 1e-8);
 }
 
-/// Both rings of the bench, over the remanences it names: 2.38 N within half a millimetre of the face, falling by 1.4 to
-/// 3.9 N/mm (each rounded to two digits).
+/// Both rings of the bench, over the remanences it names: 2.38 N within half a millimetre of the
+/// face, falling by 1.4 to 3.9 N/mm (each rounded to two digits).
 #[test]
 fn rings_of_the_bench_press_with_the_papers_force() {
     let sphere = Sphere { radius: 2.38e-3, saturation: 2.0 };
@@ -149,7 +155,8 @@ fn rings_of_the_bench_press_with_the_papers_force() {
     }
 }
 
-/// The default ring: the force at the place found, from the loops' field, is 2.38 N to far better than 1 %.
+/// The default ring: the force at the place found, from the loops' field, is 2.38 N to far better
+/// than 1 %.
 #[test]
 fn the_default_ring_gives_the_papers_force() {
     for name in ["ring-15-6-6", "ring-12-6-6"] {
@@ -160,7 +167,8 @@ fn the_default_ring_gives_the_papers_force() {
         let factor = 2.0 * TAU * sphere.radius.powi(3) / MU0;
         let force = factor * summed_field(&ring, z) * summed_gradient(&ring, z);
         assert!(distances[0].abs() <= 0.5e-3 && (force.abs() / 2.38 - 1.0).abs() < 1e-8, "{name}");
-        // Without saturation the force goes with the remanence's square: 50 K at -0.12 %/K leave 0.94^2.
+        // Without saturation the force goes with the remanence's square: 50 K at -0.12 %/K leave
+        // 0.94^2.
         let warm = magnet.force(distances[0], ROOM + 50.0).expect("a force");
         assert!((warm / 2.38 - 0.94 * 0.94).abs() < 1e-9, "{name}: {warm}");
     }

@@ -1,4 +1,5 @@
-//! Numbers that someone signs: distances, uncertainties that cover, and refusals of what is not determined.
+//! Numbers that someone signs: distances, uncertainties that cover, and refusals of what is not
+//! determined.
 
 mod coverage;
 mod distances;

@@ -1,4 +1,5 @@
-//! Each method converges at its order on a smooth problem, bounded on both sides: a preloaded chain whose contacts stay closed.
+//! Each method converges at its order on a smooth problem, bounded on both sides: a preloaded chain
+//! whose contacts stay closed.
 
 use hertzscope::chain::{Chain, Dashpot, EndOfContact, LossSpec};
 use hertzscope::integrate::Method;
@@ -23,7 +24,8 @@ fn chain(lossy: bool) -> Chain {
     Chain::new(&spec).expect("a chain")
 }
 
-/// Velocities after [`TIME`], in steps of `step` (s); the accounts of losses stand behind the bodies'.
+/// Velocities after [`TIME`], in steps of `step` (s); the accounts of losses stand behind the
+/// bodies'.
 fn velocities(method: Method, step: f64, lossy: bool) -> Vec<f64> {
     let chain = chain(lossy);
     let mut bench = kicked(&chain, (0, 0.1), method, &[], NEVER);
@@ -36,7 +38,8 @@ fn velocities(method: Method, step: f64, lossy: bool) -> Vec<f64> {
 
 /// Largest error of a velocity (m/s).
 fn error(method: Method, step: f64, lossy: bool) -> f64 {
-    // At rounding, five orders and more below the others; from another family than all but one method tested.
+    // At rounding, five orders and more below the others; from another family than all but one
+    // method tested.
     let exact = velocities(Method::DormandPrince853 { tolerance: 1e-16 }, TIME, lossy);
     let found = velocities(method, step, lossy);
     found.iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
@@ -68,7 +71,8 @@ fn methods_have_their_order() {
     }
 }
 
-/// Where forces depend on velocities; what the losses have taken converges with the motion, for it is integrated along.
+/// Where forces depend on velocities; what the losses have taken converges with the motion, for it
+/// is integrated along.
 #[test]
 fn methods_for_losses_have_their_order_with_losses() {
     type Make = fn(f64) -> Method;

@@ -1,7 +1,9 @@
-//! The paper, recomputed: every verdict against figures from elsewhere, the figures' data against the goldens.
+//! The paper, recomputed: every verdict against figures from elsewhere, the figures' data against
+//! the goldens.
 //!
-//! Expected are the figures of the bench's reference (two independent solutions) and of `bench-goldens.json`; what stands in neither
-//! comes from `tests/golden/paper/*.c`: fixed steps of order 4, 20 ns and 100 ns for 600 beads, and Fourier sums term by term.
+//! Expected are the figures of the bench's reference (two independent solutions) and of
+//! `bench-goldens.json`; what stands in neither comes from `tests/golden/paper/*.c`: fixed steps of
+//! order 4, 20 ns and 100 ns for 600 beads, and Fourier sums term by term.
 
 use std::path::Path;
 use std::sync::LazyLock;
@@ -18,7 +20,8 @@ use ClaimVerdict::{Agrees, AgreesUnder, DoesNotHold};
 
 static STUDY: LazyLock<PaperStudy> = LazyLock::new(|| study(None, &mut |_| ()).expect("the paper"));
 
-/// Statement, verdict, what the reference has for it in the statement's unit, and half of its last digit.
+/// Statement, verdict, what the reference has for it in the statement's unit, and half of its last
+/// digit.
 const EXPECTED: [(&str, ClaimVerdict, f64, f64); 76] = [
     // Sums and quotients of printed masses.
     ("cell_mass", Agrees, 0.6076, 1e-9),
@@ -42,15 +45,16 @@ const EXPECTED: [(&str, ClaimVerdict, f64, f64); 76] = [
     ("linear_source_transformed", DoesNotHold, 1.000, 2e-3),
     ("linear_first_pulse", AgreesUnder, 0.0063, 5e-5),
     ("linear_first_pulse_ratio", Agrees, 352.57, 0.01),
-    // 0.5 % foot to first minimum: 4.736, 5.945 and 4.600, 5.781 cells at 0.1 us, printed 4.7, 5.9 and 4.6, "about" 5.7.
-    // 189 us from foot to minimum inside particle 5, 236 us inside 11.
+    // 0.5 % foot to first minimum: 4.736, 5.945 and 4.600, 5.781 cells at 0.1 us, printed 4.7, 5.9
+    // and 4.6, "about" 5.7. 189 us from foot to minimum inside particle 5, 236 us inside 11.
     ("linear_width_5", DoesNotHold, 3.793, 0.02),
     ("linear_width_cell_6", DoesNotHold, 4.736, 3e-3),
     ("linear_width_11", AgreesUnder, 4.736, 3e-3),
     ("linear_width_21", AgreesUnder, 5.945, 3e-3),
     // Its line has 1.3 % of the main one's height.
     ("linear_upper_line", DoesNotHold, 14.8533, 5e-5),
-    // 1 ms windows after Hann, every 50 us, by long-chain.c: maxima at 5.05 and 9.85 ms, half-rises at 1.228 and 2.475 ms; a window's step is 1 %.
+    // 1 ms windows after Hann, every 50 us, by long-chain.c: maxima at 5.05 and 9.85 ms, half-rises
+    // at 1.228 and 2.475 ms; a window's step is 1 %.
     ("linear_slow_packet", Agrees, 0.2598, 5e-3),
     ("linear_leading_below_gap", Agrees, 0.9990, 5e-4),
     ("linear_trailing_bottom", Agrees, 6.960, 5e-4),
@@ -66,7 +70,8 @@ const EXPECTED: [(&str, ClaimVerdict, f64, f64); 76] = [
     ("nonlinear_trailing_top", DoesNotHold, 14.680, 5e-4),
     ("nonlinear_contact", Agrees, 0.1096, 5e-4),
     ("nonlinear_slow_packet", Agrees, 0.2575, 5e-3),
-    // Up to the echo, which bench.c has at 1.543, 1.537 and 1.574 ms inside particle 2; it is read to 2 us.
+    // Up to the echo, which bench.c has at 1.543, 1.537 and 1.574 ms inside particle 2; it is read
+    // to 2 us.
     ("magnet_incoming_in_gap", DoesNotHold, 0.0972, 1e-3),
     ("magnet_shift_0.61g", Agrees, 0.7700, 2e-3),
     ("magnet_in_situ_0.61g", Agrees, 8.217, 5e-3),
@@ -94,9 +99,11 @@ const EXPECTED: [(&str, ClaimVerdict, f64, f64); 76] = [
     ("gravity_shift_0.61g", Agrees, 0.6407, 2e-3),
     ("gravity_shift_2.75g", Agrees, 0.6459, 2e-3),
     ("gravity_shift_17.81g", Agrees, 0.7687, 3e-3),
-    // The measured columns: 175/118, 177/121, 181/122, 179/115 give 49.65 % in the mean, the calculated ones a quarter.
+    // The measured columns: 175/118, 177/121, 181/122, 179/115 give 49.65 % in the mean, the
+    // calculated ones a quarter.
     ("speed_up", AgreesUnder, 49.65, 5e-3),
-    // Two agree with the half-rise to the digits printed, three from peak to peak over 13.5 half cells.
+    // Two agree with the half-rise to the digits printed, three from peak to peak over 13.5 half
+    // cells.
     ("speed_numerics_magnet_0.61g", AgreesUnder, 170.9, 0.05),
     ("speed_numerics_magnet_1.22g", AgreesUnder, 172.9, 0.05),
     ("speed_numerics_magnet_2.75g", AgreesUnder, 175.8, 0.05),
@@ -105,7 +112,8 @@ const EXPECTED: [(&str, ClaimVerdict, f64, f64); 76] = [
     ("speed_numerics_gravity_1.22g", DoesNotHold, 142.2, 0.05),
     ("speed_numerics_gravity_2.75g", DoesNotHold, 148.4, 0.05),
     ("speed_numerics_gravity_17.81g", DoesNotHold, 136.0, 0.05),
-    // With one dashpot of 8 N s/m, the best within 0.5; between 7 and 9 N s/m the speeds change by no more than 0.8 m/s.
+    // With one dashpot of 8 N s/m, the best within 0.5; between 7 and 9 N s/m the speeds change by
+    // no more than 0.8 m/s.
     ("speed_experiment_magnet_0.61g", DoesNotHold, 180.06, 0.8),
     ("speed_experiment_magnet_1.22g", DoesNotHold, 178.49, 0.8),
     ("speed_experiment_magnet_2.75g", DoesNotHold, 178.22, 0.8),
@@ -140,13 +148,15 @@ fn every_verdict_is_what_the_references_have() {
 #[test]
 fn one_dashpot_does_to_all_speeds_what_the_reference_has() {
     let tables = STUDY.tables.as_ref().expect("tables");
-    // By the reference's own scan, whose valley is flat: rms 9.35, 9.25, 9.47 m/s at 6, 8, 10 N s/m.
+    // By the reference's own scan, whose valley is flat: rms 9.35, 9.25, 9.47 m/s at 6, 8, 10 N
+    // s/m.
     assert!((tables.dashpot - 8.0).abs() <= 1.0, "{}", tables.dashpot);
     assert!(tables.rms_with_dashpot < 9.3 && tables.rms_with_dashpot < tables.rms_lossless);
     let (_, at_8) = tables.scan.iter().find(|(dashpot, _)| *dashpot == 8.0).expect("8 N s/m");
     let reference = [180.06, 178.49, 178.22, 169.07, 123.78, 130.31, 138.13, 128.03];
     for ((row, found), reference) in tables.rows.iter().zip(at_8).zip(reference) {
-        // The reference samples forces every microsecond, and its closing jumps fall on whole steps.
+        // The reference samples forces every microsecond, and its closing jumps fall on whole
+        // steps.
         assert!((found - reference).abs() <= 0.1, "{}: {found}, {reference}", row.paper.scene);
     }
     // Preloaded speeds rise, unloaded ones fall: the signs of the paper's own differences.
@@ -161,7 +171,8 @@ fn one_dashpot_does_to_all_speeds_what_the_reference_has() {
 #[test]
 fn viscosity_makes_the_entrance_faster_as_the_reference_has_it() {
     let found: Vec<f64> = STUDY.viscosity.iter().map(|viscous| 1e-3 * viscous.frequency).collect();
-    // At 10 ns; the bench's reference prints 10.5, 11.5, 12.5 and, of the last and shallowest fifth peak, 15.1.
+    // At 10 ns; the bench's reference prints 10.5, 11.5, 12.5 and, of the last and shallowest fifth
+    // peak, 15.1.
     let reference = [10.468, 11.451, 12.453, 15.209];
     assert_eq!(found.len(), reference.len());
     for (found, reference) in found.iter().zip(reference) {
@@ -220,7 +231,8 @@ fn spectra_of_figs_4_and_5_meet_the_goldens() {
 #[test]
 fn forces_of_the_figures_meet_the_goldens() {
     let goldens = goldens();
-    // Largest sample beside the golden peak: at 1 us, a pulse's top is missed by half an interval at most.
+    // Largest sample beside the golden peak: at 1 us, a pulse's top is missed by half an interval
+    // at most.
     let at_peak = |figure: &Figure, place: ForceLocation, time: f64| {
         let signal = figure.signals.iter().find(|signal| signal.place == place).expect("a force");
         let index = (time / signal.trace.interval).round() as usize;
@@ -239,7 +251,8 @@ fn forces_of_the_figures_meet_the_goldens() {
             let time = number(&golden["first_peak_t"]["value"]);
             let dynamic = number(&golden["first_peak_F"]["value"]) - number(&golden["static"]);
             let found = at_peak(figure(number_of), place, time);
-            // Pulses are 20 us wide and more at half height: 0.5 us beside the top of a parabola is 0.3 % at most.
+            // Pulses are 20 us wide and more at half height: 0.5 us beside the top of a parabola is
+            // 0.3 % at most.
             assert!(
                 (1.0 - found / dynamic).abs() <= 3e-3,
                 "Fig. {number_of} {key}: {found} of {dynamic}"
@@ -258,8 +271,9 @@ fn forces_of_the_figures_meet_the_goldens() {
     }
 }
 
-/// Shares of squared amplitudes between 7.12 and 14.17 kHz up to 20 kHz: 0.20 before the wall's echo, which would make it 0.085; and the gap's line of the heaviest
-/// striker, which runs from 9.75 to 8.50 kHz with the record's length.
+/// Shares of squared amplitudes between 7.12 and 14.17 kHz up to 20 kHz: 0.20 before the wall's
+/// echo, which would make it 0.085; and the gap's line of the heaviest striker, which runs from
+/// 9.75 to 8.50 kHz with the record's length.
 #[test]
 fn spectra_of_the_impacts_end_before_the_echo() {
     let spectrum = |number: u8| {
@@ -360,7 +374,8 @@ fn report_tells_every_statement() {
     }
     assert_eq!(html.matches("<figure>").count(), pictures.len());
     assert_eq!(markdown.matches("![").count(), pictures.len());
-    // Eight speeds, a frequency, a duration, and a width made of both are the paper's own measurements.
+    // Eight speeds, a frequency, a duration, and a width made of both are the paper's own
+    // measurements.
     let measured = |item: &str| {
         let others = ["entrance_frequency_measured", "solitary_duration", "solitary_width_product"];
         item.starts_with("speed_experiment") || others.contains(&item)
@@ -377,7 +392,8 @@ fn report_tells_every_statement() {
     assert!(page.contains(&tally), "{page}");
 }
 
-/// Intervals of the eight speeds hold the runs' own; a printed speed agrees where it is no farther away than both sides' expanded uncertainties.
+/// Intervals of the eight speeds hold the runs' own; a printed speed agrees where it is no farther
+/// away than both sides' expanded uncertainties.
 #[test]
 fn tables_have_intervals_on_both_sides() {
     let tables = STUDY.tables.as_ref().expect("tables");

@@ -48,7 +48,8 @@ fn contact_and_dispersion_constants() {
     agrees(hertz::overlap(stiffness, 2.376), 7.34e-6, 3);
 }
 
-/// The chain's own accelerations of a Bloch wave are `-omega^2 u` on both branches, away from the ends.
+/// The chain's own accelerations of a Bloch wave are `-omega^2 u` on both branches, away from the
+/// ends.
 #[test]
 fn chain_obeys_the_dispersion_relation() {
     let chain = diatomic(40, 2.38, true);
@@ -114,8 +115,8 @@ fn two_body_collision() {
     }
 }
 
-/// Equal spheres that merely touch: the discrete solitary wave. Constants to the digits that an independent
-/// fixed-point solution gives.
+/// Equal spheres that merely touch: the discrete solitary wave. Constants to the digits that an
+/// independent fixed-point solution gives.
 #[test]
 fn solitary_wave_constants() {
     let particles: Vec<_> = (0..120).map(|_| ptfe_sphere()).collect();
@@ -145,7 +146,8 @@ fn solitary_wave_constants() {
     assert!((width(2) - 2.06870).abs() < 1.2e-3, "{}", width(2));
 }
 
-/// Where nothing but `A overlap^1.5` acts, striking `s` times as fast is the same motion: `t s^(-1/5)`, `F s^(6/5)`.
+/// Where nothing but `A overlap^1.5` acts, striking `s` times as fast is the same motion:
+/// `t s^(-1/5)`, `F s^(6/5)`.
 #[test]
 fn sonic_vacuum_scales() {
     let arrival = |speed: f64| {
@@ -161,8 +163,8 @@ fn sonic_vacuum_scales() {
     assert!((fast.dynamic_n / slow.dynamic_n / 3f64.powf(1.2) - 1.0).abs() < 1e-11);
 }
 
-/// Bessel function of the first kind by its integral, `1/pi int cos(n s - x sin s) ds` over half a turn; the trapezoidal rule
-/// converges exponentially for a periodic integrand.
+/// Bessel function of the first kind by its integral, `1/pi int cos(n s - x sin s) ds` over half a
+/// turn; the trapezoidal rule converges exponentially for a periodic integrand.
 fn bessel(order: usize, x: f64) -> f64 {
     let points = 1024;
     let term = |i: usize| {
@@ -189,7 +191,8 @@ fn linear_chain_with_free_end() {
     }
 }
 
-/// An end force presses on the outermost face: plates in the end particles feel all of it, as those inside do.
+/// An end force presses on the outermost face: plates in the end particles feel all of it, as those
+/// inside do.
 #[test]
 fn end_forces_are_felt_at_the_ends() {
     let particles: Vec<_> = (0..6).map(|_| ptfe_sphere()).collect();

@@ -1,4 +1,5 @@
-//! Forces at probes: samples, first peaks and arrivals of the vector path against the contacts' own formula and the general path's segments.
+//! Forces at probes: samples, first peaks and arrivals of the vector path against the contacts' own
+//! formula and the general path's segments.
 
 use hertzscope::chain::probe_step::{ProbeTracker, SAMPLE_TIMES};
 use hertzscope::chain::simd::{InstructionSet, VectorStepper};
@@ -13,7 +14,8 @@ use super::chains::{NEVER, diatomic, kicked};
 /// Shares of the first peak at which arrivals are compared (1).
 const LEVELS: [f64; 5] = [MIN_LEVEL_SHARE, 0.03, 0.1, 0.5, 0.95];
 
-/// Light beads rattle on while heavy ones press them harder and harder: maxima are first until larger forces come.
+/// Light beads rattle on while heavy ones press them harder and harder: maxima are first until
+/// larger forces come.
 const RATTLING: &str = r#"
 duration = "100 ms"
 materials.hard = { youngs_modulus = "35.16 GPa", poissons_ratio = 0.4182 }
@@ -41,9 +43,10 @@ fn readings(pulse: &PulseRecorder) -> Vec<f64> {
     [peak.dynamic_n, peak.time_s].into_iter().chain(times).collect()
 }
 
-/// In every particle, the recorder that samples only steps that may matter reads what one reads that samples every step of the general path's
-/// segments. Both interpolate the same steps: rounding tells them apart, and that a correction at an opening that moves bodies by less than 3 % of the
-/// tolerance leaves the jerks of the general path as they were.
+/// In every particle, the recorder that samples only steps that may matter reads what one reads
+/// that samples every step of the general path's segments. Both interpolate the same steps:
+/// rounding tells them apart, and that a correction at an opening that moves bodies by less than 3
+/// % of the tolerance leaves the jerks of the general path as they were.
 #[test]
 fn steps_that_are_not_sampled_hold_nothing() {
     let mut compared = 0;
@@ -114,8 +117,8 @@ fn steps_that_are_not_sampled_hold_nothing() {
     assert!(compared > 3_000, "{compared}");
 }
 
-/// Samples taken within steps are the forces of a chain that was stopped at their times, by the contacts' own formula; before anything arrives
-/// they are zero to the last bit.
+/// Samples taken within steps are the forces of a chain that was stopped at their times, by the
+/// contacts' own formula; before anything arrives they are zero to the last bit.
 #[test]
 fn samples_are_the_forces_at_their_times() {
     const GRID: Grid = Grid { start: -3e-6, interval: 0.7e-6 };
@@ -160,11 +163,12 @@ fn samples_are_the_forces_at_their_times() {
     }
 }
 
-/// What a tracker computes from the bodies around it is what the whole chain's interpolants give, everywhere in chains of every shape, and a frame
-/// of the whole chain stands where they say.
+/// What a tracker computes from the bodies around it is what the whole chain's interpolants give,
+/// everywhere in chains of every shape, and a frame of the whole chain stands where they say.
 #[test]
 fn trackers_and_frames_agree_with_the_interpolants() {
-    // Displacements of a tenth of a millimetre round to 1e-20 m, in overlaps of a micrometre, by polynomials with coefficients up to 84.
+    // Displacements of a tenth of a millimetre round to 1e-20 m, in overlaps of a micrometre, by
+    // polynomials with coefficients up to 84.
     const ROUNDING: f64 = 1e-11;
     const THETA: f64 = 0.37;
     let mut chains: Vec<(Chain, Vec<f64>)> = ["magnet-0.61g", "gravity-17.81g", "monatomic-vacuum"]
@@ -241,7 +245,8 @@ fn a_lost_motion_names_the_body() {
         {
             let mut bench = kicked(&chain, (0, 0.4), method, &[], NEVER);
             let error = bench.run_until(0.2, true, &mut |_| ());
-            // Hertz contacts open before numbers overflow: far beyond stability a chain may just fly apart.
+            // Hertz contacts open before numbers overflow: far beyond stability a chain may just
+            // fly apart.
             if let Err(error) = error {
                 assert!(error.to_string().contains("body"), "{error}");
             }

@@ -1,5 +1,6 @@
-//! Random scenes that are valid, and as many that a mutation may have spoilt: nothing panics, nothing hangs, no state
-//! stops being a number, energy stays where it was, and what is read is as accurate as was asked.
+//! Random scenes that are valid, and as many that a mutation may have spoilt: nothing panics,
+//! nothing hangs, no state stops being a number, energy stays where it was, and what is read is as
+//! accurate as was asked.
 
 use std::fmt::Write as _;
 
@@ -12,17 +13,20 @@ use hertzscope::experiment::{self, Integration, for_accuracy, reference_toleranc
 use hertzscope::integrate::{Method, State};
 use hertzscope::scene::{Problem, Scene, SceneError};
 
-/// Scenes of each kind, unless `HERTZSCOPE_RANDOM_SCENES` says how many: `tests/run --full` runs 10,000.
+/// Scenes of each kind, unless `HERTZSCOPE_RANDOM_SCENES` says how many: `tests/run --full` runs
+/// 10,000.
 const SCENES: u64 = 1_000;
 /// First seed of the spoilt scenes: they share none with the valid ones.
 const FIRST_SPOILT_SEED: u64 = 10_000;
 /// Parts in which they are run.
 const PARTS: u64 = 2;
-/// One scene in so many is held against another family of methods; `HERTZSCOPE_RANDOM_SAMPLE=1` holds every one, in a minute if compiled for release.
+/// One scene in so many is held against another family of methods; `HERTZSCOPE_RANDOM_SAMPLE=1`
+/// holds every one, in a minute if compiled for release.
 const SAMPLE: u64 = 50;
 
-/// Scenes that were once off, held whatever the sample: of two close maxima the first was overlooked; a peak within a step, with forces of the
-/// other sign at both its ends; a peak in the first of all steps; the same where the force starts with a rate of change that is nothing but
+/// Scenes that were once off, held whatever the sample: of two close maxima the first was
+/// overlooked; a peak within a step, with forces of the other sign at both its ends; a peak in the
+/// first of all steps; the same where the force starts with a rate of change that is nothing but
 /// rounding; errors of both runs, which took the same steps, taken for a pulse.
 const REMEMBERED: [u64; 5] = [3077, 6383, 56064, 126_383, 72739];
 
@@ -47,11 +51,13 @@ fn seeds(part: u64) -> impl Iterator<Item = u64> {
     all.filter(move |seed| seed % PARTS == part && only.is_none_or(|only| only == *seed))
 }
 
-/// Thirty turns of the fastest contact take 30 steps each at the tightest accuracy, nine force evaluations a step, and half of them
-/// may be rejected: 16 times that is a hang. A light body squeezed between heavy ones turns faster than the impact alone would make it, which
-/// once took six times that.
+/// Thirty turns of the fastest contact take 30 steps each at the tightest accuracy, nine force
+/// evaluations a step, and half of them may be rejected: 16 times that is a hang. A light body
+/// squeezed between heavy ones turns faster than the impact alone would make it, which once took
+/// six times that.
 const MOST_EVALUATIONS: u64 = 2 * 30 * 30 * 9 * 16;
-/// Forces this far below the static one are what tolerances leave of a wave that has not arrived (1).
+/// Forces this far below the static one are what tolerances leave of a wave that has not arrived
+/// (1).
 const QUIET: f64 = 1e-10;
 /// At most one of so many held runs may say that it could not be held.
 const DOUBTFUL: usize = 50;
@@ -229,7 +235,8 @@ fn load(text: &str) -> Result<Scene, SceneError> {
     Scene::from_text("random", "random.toml", text)
 }
 
-/// How long to run: a few to a few dozen times as long as the impact takes, and up to thirty turns of the fastest contact (s).
+/// How long to run: a few to a few dozen times as long as the impact takes, and up to thirty turns
+/// of the fastest contact (s).
 fn duration(random: &mut Random, scene: &Scene) -> f64 {
     let velocities = &scene.initial_velocities;
     let speed = velocities.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
@@ -238,7 +245,8 @@ fn duration(random: &mut Random, scene: &Scene) -> f64 {
     (random.log(1.0, 10.0) * scene.chain.impact_overlap(velocities) / speed).min(30.0 * turn)
 }
 
-/// Runs to the end or until `most` evaluations; the state there, the steps and whether the end was reached.
+/// Runs to the end or until `most` evaluations; the state there, the steps and whether the end was
+/// reached.
 fn run(scene: &Scene, end: f64, most: u64) -> Result<(State, u64, bool), String> {
     let position = vec![0.0; scene.initial_velocities.len()];
     let state = State { time: 0.0, position, velocity: scene.initial_velocities.clone() };
@@ -258,8 +266,8 @@ fn places(summary: &Summary) -> Vec<Reading> {
     summary.sensors.iter().chain(&summary.wall).cloned().collect()
 }
 
-/// The largest relative difference of first peaks, their times, half-rises and tenths of two runs; infinite where a pulse that is not `quiet`
-/// is in one of them only (1).
+/// The largest relative difference of first peaks, their times, half-rises and tenths of two runs;
+/// infinite where a pulse that is not `quiet` is in one of them only (1).
 fn difference(found: &[Reading], exact: &[Reading], quiet: &dyn Fn(Peak) -> bool) -> f64 {
     let off = |a: f64, b: f64| (a / b - 1.0).abs();
     let of_place = |(found, exact): (&Reading, &Reading)| match (found.first_peak, exact.first_peak)
@@ -275,9 +283,11 @@ fn difference(found: &[Reading], exact: &[Reading], quiet: &dyn Fn(Peak) -> bool
     found.iter().zip(exact).map(of_place).fold(0.0, f64::max)
 }
 
-/// A run held to the scene's accuracy, against another family of methods: the largest relative error of first peaks, their times,
-/// half-rises and tenths, in terms of the accuracy (1), and whether the run itself says that it may be off by more. Where they seem to be off
-/// by more, the reference is taken again to a tenth of its tolerance, and what that changes is not held against the run.
+/// A run held to the scene's accuracy, against another family of methods: the largest relative
+/// error of first peaks, their times, half-rises and tenths, in terms of the accuracy (1), and
+/// whether the run itself says that it may be off by more. Where they seem to be off by more, the
+/// reference is taken again to a tenth of its tolerance, and what that changes is not held against
+/// the run.
 fn held(scene: &mut Scene, end: f64) -> (f64, bool) {
     let accuracy = scene.accuracy.expect("the scene's own");
     scene.duration = end;
@@ -291,8 +301,8 @@ fn held(scene: &mut Scene, end: f64) -> (f64, bool) {
     };
     let (found, exact) = (places(&run), reference(1e-13));
     let loudest = exact.iter().map(|reading| reading.largest_n).fold(0.0, f64::max);
-    // The error control measures by the loudest: what is below it by the accuracy of the tighter run, which a run is held against,
-    // neither of them can tell from a wave that has not arrived.
+    // The error control measures by the loudest: what is below it by the accuracy of the tighter
+    // run, which a run is held against, neither of them can tell from a wave that has not arrived.
     let quiet = |peak: Peak| {
         peak.dynamic_n < (QUIET * peak.total_n).max(reference_tolerance(accuracy) * loudest)
     };
@@ -354,7 +364,8 @@ fn valid_scenes(part: u64) {
             violations.push(seed);
             continue;
         }
-        // A step may be off by the accuracy in speed, by twice that in energy, and steps add up at worst.
+        // A step may be off by the accuracy in speed, by twice that in energy, and steps add up at
+        // worst.
         let (before, after) = energies(&scene, &state);
         let drift = (after / before - 1.0).abs() / scene.accuracy.unwrap_or(1e-6) / steps as f64;
         if drift > 2.0 {

@@ -1,4 +1,5 @@
-//! From text to a bench or to the list of everything wrong with it: every kind of mistake, at its place.
+//! From text to a bench or to the list of everything wrong with it: every kind of mistake, at its
+//! place.
 
 mod acquired;
 mod adjusted;

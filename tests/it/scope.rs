@@ -25,8 +25,8 @@ fn highest(capture: &Capture) -> f64 {
     capture.waveform.volts_of(*code)
 }
 
-/// 2500 points, the trigger at a tenth of the screen, ground exact before the pulse, the peak of particle 14 as its force,
-/// sensitivity and droop make it.
+/// 2500 points, the trigger at a tenth of the screen, ground exact before the pulse, the peak of
+/// particle 14 as its force, sensitivity and droop make it.
 #[test]
 fn the_record_is_as_the_instrument_makes_it() {
     let outcome = with("");
@@ -39,7 +39,8 @@ fn the_record_is_as_the_instrument_makes_it() {
         assert!((waveform.time(250)).abs() < 1e-18);
         assert_eq!(waveform.volts(0), Some(0.0), "before the pulse");
     }
-    // At the trigger the source has just passed 500 mV: the sample before lies below, this one not, to half a level of 40 mV.
+    // At the trigger the source has just passed 500 mV: the sample before lies below, this one not,
+    // to half a level of 40 mV.
     let source = &outcome.shot.captures[0].waveform;
     assert!(source.volts(250).expect("a point") >= 0.48);
     assert!(source.volts(249).expect("a point") <= 0.52);
@@ -59,7 +60,8 @@ fn coupling_inversion_and_offset_do_what_they_say() {
     );
     let (before, after) = (&plain.shot.captures, &changed.shot.captures);
     assert!(after[1].waveform.codes.iter().all(|code| *code == 0), "ground at 0 div");
-    // Channel 3 stands at -2 div, 50 levels below the centre: turned around that line, to the rounding of a level.
+    // Channel 3 stands at -2 div, 50 levels below the centre: turned around that line, to the
+    // rounding of a level.
     let turned = codes(&before[2]).into_iter().zip(codes(&after[2]));
     assert!(turned.into_iter().all(|(a, b)| (a + 50 + b + 50).abs() <= 1));
     // 240 mV at 2 V/div are three levels.
@@ -68,7 +70,8 @@ fn coupling_inversion_and_offset_do_what_they_say() {
     assert!(changed.summary.effects.contains(&"scope_offset".to_owned()));
 }
 
-/// AC coupling at 10 Hz takes a pulse's own droop a little further down: a first-order high-pass of 15.9 ms.
+/// AC coupling at 10 Hz takes a pulse's own droop a little further down: a first-order high-pass of
+/// 15.9 ms.
 #[test]
 fn ac_coupling_droops() {
     let (dc, ac) = (with(""), with("[scope.ch2]\ncoupling = \"AC\"\n"));
@@ -106,7 +109,8 @@ fn a_probe_takes_the_droop_away() {
 
 #[test]
 fn triggers_fall_wait_and_give_up() {
-    // Particle 2 swings below zero after its pulse: a falling edge through -200 mV comes later than the rising one.
+    // Particle 2 swings below zero after its pulse: a falling edge through -200 mV comes later than
+    // the rising one.
     let rising = with("");
     let falling = with("[scope.trigger]\nslope = \"fall\"\nlevel = \"-300 mV\"\n");
     assert!(falling.summary.trigger.crossed);
@@ -121,7 +125,8 @@ fn triggers_fall_wait_and_give_up() {
     assert_eq!(automatic.shot.captures.len(), 4);
 }
 
-/// The default scene without noise, particle 2 at the external input instead of channel 1, which stays open, and the trigger there.
+/// The default scene without noise, particle 2 at the external input instead of channel 1, which
+/// stays open, and the trigger there.
 fn on_external(source: &str, level: &str) -> Result<Scene, SceneError> {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/instruments/scenes/magnet-0.61g.toml");
     let text = std::fs::read_to_string(file).expect("it ships");
@@ -138,8 +143,8 @@ fn on_external(source: &str, level: &str) -> Result<Scene, SceneError> {
     Scene::from_text("external", "external.toml", &text)
 }
 
-/// The external input sees what a channel without probe would: the scope triggers at the same sample, whichever of its two
-/// ranges watches. Beyond a range's reach there is no level.
+/// The external input sees what a channel without probe would: the scope triggers at the same
+/// sample, whichever of its two ranges watches. Beyond a range's reach there is no level.
 #[test]
 fn a_scene_triggers_on_its_external_input() {
     let on_channel = with("[scope.trigger]\nlevel = \"400 mV\"\n");
@@ -196,7 +201,8 @@ fn noise_comes_from_the_seed() {
     };
     assert_eq!(scene(1).captures, scene(1).captures);
     assert_ne!(scene(1).captures, scene(2).captures);
-    // Before the pulse: 200 samples of a rounded normal distribution. Rounding adds 1/12 to the variance of 1/4.
+    // Before the pulse: 200 samples of a rounded normal distribution. Rounding adds 1/12 to the
+    // variance of 1/4.
     let quiet: Vec<f64> =
         codes(&scene(3).captures[1])[..200].iter().map(|code| f64::from(*code)).collect();
     let mean = quiet.iter().sum::<f64>() / 200.0;
@@ -222,8 +228,8 @@ fn the_shipped_recording_is_what_its_scene_gives() {
     assert_eq!(set.shots[0].captures.len(), 4);
 }
 
-/// Noise crosses a low level long before the impact; a scope accepts no trigger before the part ahead of it is full, so every
-/// record is alive from its first point.
+/// Noise crosses a low level long before the impact; a scope accepts no trigger before the part
+/// ahead of it is full, so every record is alive from its first point.
 #[test]
 fn noise_triggers_only_once_the_record_is_full() {
     let outcome =

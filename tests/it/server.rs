@@ -1,4 +1,5 @@
-//! The scope on the network. Every wait ends with an answer; the limits only end tests that have failed.
+//! The scope on the network. Every wait ends with an answer; the limits only end tests that have
+//! failed.
 
 mod abuse;
 mod bench;
@@ -211,7 +212,8 @@ fn a_binary_curve_ends_with_one_terminator() {
     assert!(reply.ends_with(b"\n1\n"));
 }
 
-/// Gone in the middle of a block, gone before its answer, a megabyte without end, answers that nobody reads.
+/// Gone in the middle of a block, gone before its answer, a megabyte without end, answers that
+/// nobody reads.
 #[test]
 fn bad_clients_harm_nobody() {
     let server = Server::at_rest();
@@ -234,7 +236,8 @@ fn bad_clients_harm_nobody() {
     assert_eq!(good.ask("*IDN?"), IDENTITY);
 }
 
-/// `printf '...' | nc -N`: the client sends no more, and still gets the answer that waits for an impact.
+/// `printf '...' | nc -N`: the client sends no more, and still gets the answer that waits for an
+/// impact.
 #[test]
 fn who_sends_no_more_is_still_answered() {
     let server = Server::at_rest();
@@ -339,7 +342,8 @@ fn the_command_says_where_it_listens() {
     assert_eq!(connect(server.address).ask("CH1:PROBE?"), ":CH1:PROBE 1\n");
 }
 
-/// Where it listens as JSON, and the log: connection, command, reply, error, fault and impact, each with its time.
+/// Where it listens as JSON, and the log: connection, command, reply, error, fault and impact, each
+/// with its time.
 #[test]
 #[cfg(unix)]
 fn a_script_reads_where_it_listens_and_a_log_what_happens() {

@@ -11,7 +11,8 @@ use proptest::prelude::*;
 
 use crate::seeded;
 
-/// In the order and spelling of a 4-channel instrument, fact sheet section 2.7, with settings made up.
+/// In the order and spelling of a 4-channel instrument, fact sheet section 2.7, with settings made
+/// up.
 const SETTINGS: &str = ":ACQUIRE:MODE SAMPLE;NUMAVG 16;STATE 1;STOPAFTER RUNSTOP;:CH1:PROBE 1.0E1;CURRENTPROBE 1.0E1;\
     SCALE 5.0E-1;POSITION -1.0E0;COUPLING AC;BANDWIDTH ON;INVERT OFF;YUNIT \"V\";:CH2:PROBE 10;SCALE 2.0E0;\
     POSITION 0.0E0;COUPLING GND;BANDWIDTH OFF;INVERT ON;:HORIZONTAL:VIEW MAIN;MAIN:SCALE 2.5E-4;POSITION 1.0E-3;\

@@ -1,4 +1,5 @@
-//! Sweeps: what they run, that nothing is lost and nothing counted twice, and that the bytes are the same whoever does the work.
+//! Sweeps: what they run, that nothing is lost and nothing counted twice, and that the bytes are
+//! the same whoever does the work.
 
 mod design;
 mod documented;

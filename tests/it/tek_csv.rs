@@ -1,9 +1,9 @@
-//! Tektronix CSV, native and foreign: rows that real instruments wrote, captures from disk, synthetic
-//! round trips, and what the reader and the writer refuse.
+//! Tektronix CSV, native and foreign: rows that real instruments wrote, captures from disk,
+//! synthetic round trips, and what the reader and the writer refuse.
 //!
-//! Reference rows come from files of published repositories, quoted in the project's fact sheet on the
-//! TDS2000 family. Whole captures have no licence and stay outside the project: the environment variable
-//! `HERTZSCOPE_CAPTURES` names their folder.
+//! Reference rows come from files of published repositories, quoted in the project's fact sheet on
+//! the TDS2000 family. Whole captures have no licence and stay outside the project: the environment
+//! variable `HERTZSCOPE_CAPTURES` names their folder.
 
 mod captures;
 mod foreign;

@@ -1,7 +1,8 @@
 //! The terminal screen: keys to actions, actions to the model, the model to screens.
 //!
-//! Screens are asked for what matters on them, a readout or the row of a trace, and never compared as a whole.
-//! Where a trace has to be follows from its volts: a graticule of 80 x 24 has 2 rows and 7 columns a division.
+//! Screens are asked for what matters on them, a readout or the row of a trace, and never compared
+//! as a whole. Where a trace has to be follows from its volts: a graticule of 80 x 24 has 2 rows
+//! and 7 columns a division.
 
 mod actions;
 mod bench;

@@ -35,7 +35,8 @@ fn band_edges_go_with_each_knob_as_the_closed_forms_do() {
     assert!((middle / (7122.383 * (forces(1.0) / 2.38).powf(1.0 / 6.0)) - 1.0).abs() < 1e-7);
 
     let heavy = turned("magnet-0.61g", TuningParameter::HeavyMass, 1.5);
-    // Cylinders above the contact weigh next to nothing against 2.38 N, and none stands above the first sensor.
+    // Cylinders above the contact weigh next to nothing against 2.38 N, and none stands above the
+    // first sensor.
     agrees(ratio(&heavy, DiatomicChain::gap_bottom), 1.5_f64.recip());
     agrees(ratio(&heavy, DiatomicChain::gap_top), 1.0);
 
@@ -53,7 +54,8 @@ fn band_edges_go_with_each_knob_as_the_closed_forms_do() {
     agrees(ratio(&modulus, DiatomicChain::gap_bottom), expected);
 }
 
-/// Without preload and weight a chain has no scale of its own: times go with `s^(-1/5)`, so speeds with `s^(1/5)`.
+/// Without preload and weight a chain has no scale of its own: times go with `s^(-1/5)`, so speeds
+/// with `s^(1/5)`.
 #[test]
 fn speeds_in_a_sonic_vacuum_go_with_the_strikers_speed() {
     let speed = turned("monatomic-vacuum", TuningParameter::StrikerSpeed, 2.0);

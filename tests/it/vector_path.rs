@@ -1,5 +1,5 @@
-//! The vector path: step by step the same as the general one, on every instruction set; what it does beside its methods; and how accurate its
-//! two-length steps are.
+//! The vector path: step by step the same as the general one, on every instruction set; what it
+//! does beside its methods; and how accurate its two-length steps are.
 
 use hertzscope::chain::simd::{InstructionSet, Refinement, VectorStepper};
 use hertzscope::chain::{Chain, ChainSystem};
@@ -16,7 +16,8 @@ use super::chains::{NEVER, STEEL, body, diatomic, pressed, ptfe_sphere, steel_cy
 /// Speed of the first body (m/s).
 const SPEED: f64 = 0.1;
 
-/// Largest difference of positions and of velocities, relative to the largest position and to the first body's speed (1).
+/// Largest difference of positions and of velocities, relative to the largest position and to the
+/// first body's speed (1).
 fn distance(a: &State, b: &State) -> f64 {
     let most =
         |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -59,14 +60,16 @@ fn compare(chain: &Chain, velocities: &[f64], method: Method, ends: &[f64], boun
     }
 }
 
-/// In one row to 113 rows of eight; contacts stay closed, so that nothing is corrected. Bounds are the rounding of as many steps.
+/// In one row to 113 rows of eight; contacts stay closed, so that nothing is corrected. Bounds are
+/// the rounding of as many steps.
 #[test]
 fn steps_are_those_of_the_general_path() {
     for cells in [3, 4, 11, 15, 19, 20, 65, 450] {
         let chain = diatomic(cells, 2.38, false);
         let velocities = kick(&chain, SPEED);
         let unit = chain.impact_overlap(&velocities) / SPEED;
-        // Nothing is rejected, and steps are as long as they are asked to be: each twice the one before, up to the last.
+        // Nothing is rejected, and steps are as long as they are asked to be: each twice the one
+        // before, up to the last.
         let steps = (0..40).map(|i| unit * (5e-4 * 2_f64.powi(i)).min(0.2));
         let ends: Vec<f64> = steps
             .scan(0.0, |end, step| {
@@ -119,7 +122,8 @@ fn methods() -> [Method; 4] {
     ]
 }
 
-/// Where no motion can have come yet, nothing has moved at all: it spreads by a body an evaluation, with gradients by two.
+/// Where no motion can have come yet, nothing has moved at all: it spreads by a body an evaluation,
+/// with gradients by two.
 #[test]
 fn bodies_ahead_of_the_wave_stay_at_rest_to_the_last_bit() {
     for method in methods() {
@@ -181,8 +185,8 @@ fn after(chain: &Chain, method: Method, without: Option<Refinement>, time: f64) 
     (bench.state(), bench.work())
 }
 
-/// Rows ahead of the wave are left out: what moves there is below 1e-30 of the first bead's speed, and nothing else changes by more than that and
-/// a few roundings.
+/// Rows ahead of the wave are left out: what moves there is below 1e-30 of the first bead's speed,
+/// and nothing else changes by more than that and a few roundings.
 #[test]
 fn the_active_window_changes_nothing_that_could_be_seen() {
     for force in [0.0, 2.38] {
@@ -220,8 +224,9 @@ fn the_correction_at_openings_gains_accuracy() {
     assert!(with < without, "{with:e}, {without:e}");
 }
 
-/// Gravity alone: hundreds of openings. Against Dormand and Prince's pair of order 8, which does not correct them, errors of single steps add up
-/// like random ones, and tight tolerances take fewer evaluations than the same pair without corrections.
+/// Gravity alone: hundreds of openings. Against Dormand and Prince's pair of order 8, which does
+/// not correct them, errors of single steps add up like random ones, and tight tolerances take
+/// fewer evaluations than the same pair without corrections.
 #[test]
 fn corrections_keep_the_tolerance_and_save_evaluations() {
     let (end, scene) = (1e-3, Scene::load("gravity-0.61g").expect("a shipped scene"));
@@ -257,7 +262,8 @@ fn corrections_keep_the_tolerance_and_save_evaluations() {
     }
 }
 
-/// A fast body far from a light one that passes through its contact within any step that grows freely: it must not be missed.
+/// A fast body far from a light one that passes through its contact within any step that grows
+/// freely: it must not be missed.
 #[test]
 fn a_contact_within_one_step_is_not_missed() {
     let mut spec = pressed(vec![ptfe_sphere(), ptfe_sphere(), ptfe_sphere()], 0.0, false);
@@ -281,13 +287,15 @@ fn a_contact_within_one_step_is_not_missed() {
             let state = stepper.state();
             let off = state.velocity.iter().zip(&exact.velocity);
             let off = off.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            // The light body bounces to and fro between the others some twenty times, each of which passes an error on.
+            // The light body bounces to and fro between the others some twenty times, each of which
+            // passes an error on.
             assert!(off < 100.0 * tolerance, "{tolerance:e}, {}: {off:e}", set.name());
         }
     }
 }
 
-/// On a chain whose contacts stay closed errors of two-length steps go as the tolerance, over four decades.
+/// On a chain whose contacts stay closed errors of two-length steps go as the tolerance, over four
+/// decades.
 #[test]
 fn errors_of_two_length_steps_go_as_the_tolerance() {
     let chain = diatomic(19, 50.0, false);
@@ -309,8 +317,9 @@ fn errors_of_two_length_steps_go_as_the_tolerance() {
     }
 }
 
-/// The paper's eight scenes with strikers a quarter as fast to four times as fast, without a check run: first peaks and their times in all places
-/// are off by less than the longest steps are made for, and by less than twice what shorter ones are, which `--accuracy` and ensembles rely on.
+/// The paper's eight scenes with strikers a quarter as fast to four times as fast, without a check
+/// run: first peaks and their times in all places are off by less than the longest steps are made
+/// for, and by less than twice what shorter ones are, which `--accuracy` and ensembles rely on.
 #[test]
 fn first_peaks_by_two_length_steps_are_within_the_tolerance() {
     let tolerances = [1e-3, 5e-4, 2e-4];

@@ -1,4 +1,5 @@
-//! The VXI-11 protocol without a network. Numbers are those of VXI-11 (1995), appendix C, and of RFC 5531 and 1833.
+//! The VXI-11 protocol without a network. Numbers are those of VXI-11 (1995), appendix C, and of
+//! RFC 5531 and 1833.
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddrV4};
 
@@ -101,7 +102,8 @@ impl Lab {
         self.bytes(at, &record(&call(CORE, 1, procedure, arguments)));
     }
 
-    /// The results of one call: what stands behind record, number, reply, accepted, empty verifier, success.
+    /// The results of one call: what stands behind record, number, reply, accepted, empty verifier,
+    /// success.
     #[track_caller]
     fn results(&mut self, at: u64) -> Vec<u8> {
         let sent = self.sent(at);

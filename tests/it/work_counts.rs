@@ -1,7 +1,9 @@
-//! Work and readings of the shipped scenes against those of an earlier version of this code, in `tests/golden/work-counts.json`.
+//! Work and readings of the shipped scenes against those of an earlier version of this code, in
+//! `tests/golden/work-counts.json`.
 //!
-//! This is a change detector: it shows what a change of the kernel does to step counts, force evaluations, readings and final
-//! states. It is no reference of truth; `golden.rs` and `fifty_scenes` compare with independent solutions.
+//! This is a change detector: it shows what a change of the kernel does to step counts, force
+//! evaluations, readings and final states. It is no reference of truth; `golden.rs` and
+//! `fifty_scenes` compare with independent solutions.
 //! `HERTZSCOPE_WRITE_GOLDEN=1 cargo test --test it work_counts::` writes the file anew.
 
 use std::fmt::Write as _;
@@ -20,11 +22,14 @@ const ACCURACIES: [f64; 3] = [1e-3, 1e-6, 1e-9];
 const STATE_ACCURACY: f64 = 1e-9;
 /// Tolerance of the run that shows how far the final state may be off (1).
 const TIGHTER: f64 = 1e-12;
-/// Relative change of step and evaluation counts that passes: instruction sets round differently, so single steps may be added or rejected (1).
+/// Relative change of step and evaluation counts that passes: instruction sets round differently,
+/// so single steps may be added or rejected (1).
 const COUNT_TOLERANCE: f64 = 0.02;
-/// Change of step and evaluation counts that passes whatever their size: short runs have counts below 100.
+/// Change of step and evaluation counts that passes whatever their size: short runs have counts
+/// below 100.
 const COUNT_SLACK: f64 = 3.0;
-/// Safety factor on the state's own uncertainty, which is a difference of two runs and may be small by chance (1).
+/// Safety factor on the state's own uncertainty, which is a difference of two runs and may be small
+/// by chance (1).
 const STATE_FACTOR: f64 = 10.0;
 /// A grid without samples within any run.
 const NEVER: Grid = Grid { start: 1e9, interval: 1.0 };
@@ -98,7 +103,8 @@ fn record(summary: &Summary) -> Value {
     })
 }
 
-/// A scene's entry; the uncertainty of its final state takes a run of its own, and is needed in the file only.
+/// A scene's entry; the uncertainty of its final state takes a run of its own, and is needed in the
+/// file only.
 fn record_scene(name: &str, writes: bool) -> Value {
     let scene = Scene::load(name).expect("a shipped scene");
     let runs = ACCURACIES.map(|accuracy| {
@@ -150,7 +156,8 @@ struct Table {
 }
 
 impl Table {
-    /// Adds a row where `found` differs; counts it as a failure where it differs by more than `limit`.
+    /// Adds a row where `found` differs; counts it as a failure where it differs by more than
+    /// `limit`.
     fn compare(&mut self, what: &str, (found, golden): (f64, f64), limit: f64) {
         let difference = found - golden;
         if difference == 0.0 {

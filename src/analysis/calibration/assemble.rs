@@ -1,4 +1,5 @@
-//! Puts a calibration's answers together: each impact, the whole, the non-linearity, and what the user should know.
+//! Puts a calibration's answers together: each impact, the whole, the non-linearity, and what the
+//! user should know.
 
 use super::budget::propagate;
 use super::impact::Impact;
@@ -105,8 +106,9 @@ fn levels(peaks: &[f64]) -> usize {
     count
 }
 
-/// The force that counts in an impact's integral over its peak: `integral N^2 dt / (N_peak integral N dt)`, by which a sensitivity that is
-/// straight in the force enters (1).
+/// The force that counts in an impact's integral over its peak:
+/// `integral N^2 dt / (N_peak integral N dt)`, by which a sensitivity that is straight in the force
+/// enters (1).
 fn mean_share(impact: &Impact) -> f64 {
     let values = &impact.restored.values;
     let squares: f64 = values.iter().map(|v| v * v).sum();

@@ -1,8 +1,9 @@
 //! Propagation of uncertainty: every input's part in that of the sensitivity.
 //!
-//! `u^2 = sum of (c_i u_i)^2`, `c_i u_i` taken as half the change of the result between one standard uncertainty below and above.
-//! Inputs are independent of each other; what impacts share is one input.
-//! Source: JCGM 100:2008, 5.1.2, with 5.1.3 note 2. Valid where the result is nearly linear over that range: the Monte-Carlo part tells.
+//! `u^2 = sum of (c_i u_i)^2`, `c_i u_i` taken as half the change of the result between one
+//! standard uncertainty below and above. Inputs are independent of each other; what impacts share
+//! is one input. Source: JCGM 100:2008, 5.1.2, with 5.1.3 note 2. Valid where the result is nearly
+//! linear over that range: the Monte-Carlo part tells.
 
 use super::model::{InputKind, MeasurementEquation};
 

@@ -65,9 +65,11 @@ pub struct ImpactResult {
 /// How the sensitivity changes with force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NonLinearity {
-    /// Change of the sensitivity from the lowest to the highest peak force, over the sensitivity, on the line that fits best (1).
+    /// Change of the sensitivity from the lowest to the highest peak force, over the sensitivity,
+    /// on the line that fits best (1).
     pub change: f64,
-    /// Its standard uncertainty, from the scatter about that line where it is larger than the impacts' own (1).
+    /// Its standard uncertainty, from the scatter about that line where it is larger than the
+    /// impacts' own (1).
     pub u: f64,
     /// Degrees of freedom of the line (1).
     pub freedom: f64,
@@ -94,7 +96,8 @@ pub struct Calibration {
     pub sensitivity: f64,
     /// Its standard uncertainty (V/N).
     pub u: f64,
-    /// Half-width of the evenly distributed part of that, a gain within a data sheet's limits (V/N).
+    /// Half-width of the evenly distributed part of that, a gain within a data sheet's limits
+    /// (V/N).
     pub half_width: f64,
     /// Effective degrees of freedom of the other, normal part, by Welch and Satterthwaite (1).
     pub freedom: f64,
@@ -132,7 +135,8 @@ impl Calibration {
         self.expanded() / self.u
     }
 
-    /// Expanded uncertainty of the sensitivity for 95 %: the normal part by Student's t, the even one by its limits (V/N).
+    /// Expanded uncertainty of the sensitivity for 95 %: the normal part by Student's t, the even
+    /// one by its limits (V/N).
     pub fn expanded(&self) -> f64 {
         let even = self.half_width / 3f64.sqrt();
         let normal = (self.u * self.u - even * even).max(0.0).sqrt();

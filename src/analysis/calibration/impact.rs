@@ -1,4 +1,5 @@
-//! One record of one impact: where its contact is, and the sums from which its integral follows for any baseline and tau.
+//! One record of one impact: where its contact is, and the sums from which its integral follows for
+//! any baseline and tau.
 
 use super::Exclusion;
 use super::prepared::PreparedRecord;
@@ -14,10 +15,12 @@ const WINDOW_MARGIN: f64 = 0.15;
 const SECOND_PULSE_SHARE: f64 = 0.1;
 /// A window that ends above this share of the peak cuts the pulse (1).
 const CUT_SHARE: f64 = 0.03;
-/// Standard uncertainty of the contact's duration over itself: where Hertz's force passes 1 % of its peak, 3 % are left (1).
+/// Standard uncertainty of the contact's duration over itself: where Hertz's force passes 1 % of
+/// its peak, 3 % are left (1).
 const DURATION_U: f64 = 0.05;
 
-/// Sums over a window, from which the integral follows: those of the voltage, and those of 1, which the baseline is taken times.
+/// Sums over a window, from which the integral follows: those of the voltage, and those of 1, which
+/// the baseline is taken times.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sums {
     /// Of the voltage without its baseline, the first and the last by half (V).
@@ -62,7 +65,8 @@ pub struct Impact {
 }
 
 impl Impact {
-    /// Reads `record`, whose samples scatter so about a smooth curve, with the time constant `tau` (s).
+    /// Reads `record`, whose samples scatter so about a smooth curve, with the time constant `tau`
+    /// (s).
     ///
     /// # Errors
     /// [`Exclusion`]: why it is no good.
@@ -87,7 +91,8 @@ impl Impact {
         };
         let top = whole.values.iter().copied().fold(0.0, f64::max);
         let edge = (CUT_SHARE * top).max(NOISE_TIMES * prepared.noise);
-        // A window may begin and end inside the outermost of the contact, where next to nothing is left.
+        // A window may begin and end inside the outermost of the contact, where next to nothing is
+        // left.
         let inside = |index: usize| whole.values.get(index).is_some_and(|v| *v > edge);
         if from > rise && inside(from) || from >= prepared.peak {
             return Err(cut("window", from));
@@ -121,7 +126,8 @@ impl Impact {
         })
     }
 
-    /// Integral of the voltage with its droop undone: exact where the force runs straight between samples (V s).
+    /// Integral of the voltage with its droop undone: exact where the force runs straight between
+    /// samples (V s).
     pub fn integral(&self, tau: f64) -> f64 {
         self.integral_off(1.0 / tau, 0.0)
     }
@@ -143,7 +149,8 @@ impl Impact {
 
     /// Standard uncertainty of the integral from the noise of its samples (V s).
     ///
-    /// Sample `k` of the window takes part in itself and in all later ones: `g (w[k] + (1 - a) sum over i > k of w[i])`.
+    /// Sample `k` of the window takes part in itself and in all later ones:
+    /// `g (w[k] + (1 - a) sum over i > k of w[i])`.
     pub fn noise_u(&self, tau: f64) -> f64 {
         let ratio = self.interval / tau;
         let leaked = -(-ratio).exp_m1();

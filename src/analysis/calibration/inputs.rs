@@ -41,7 +41,8 @@ pub struct Common {
     pub gravity: Uncertain,
     /// Time constant, if it is not to be read off the records (s).
     pub tau: Option<Uncertain>,
-    /// Mass above the plate over all that is set in motion: this part of the momentum stays above the plate (1).
+    /// Mass above the plate over all that is set in motion: this part of the momentum stays above
+    /// the plate (1).
     pub above: Uncertain,
 }
 

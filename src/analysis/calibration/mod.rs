@@ -1,14 +1,16 @@
 //! A force sensor's sensitivity from impacts of known momentum.
 //!
-//! Behind the scope, before `measurement`, which reads plans and recordings. A striker of mass `m` that comes with `v_i` and leaves with
-//! `v_r` hands over `M = m (v_i + v_r) + m g (t2 - t1)`, its weight during the contact included; the sensor's voltage `V`, with its
-//! droop undone, integrates to `S M`: `S = integral (V + (1/tau) integral V) dt / M`. [`impact`] reads one record, [`model`] is that
-//! equation with all its inputs, [`budget`] propagates their uncertainties as the GUM says, [`monte_carlo`] as its first supplement.
-//! Inputs that several impacts share, such as the scope's gain, tau or a striker's mass, are one input: they do not average out.
-//! A plate below a mass `m_a` in a host that moves as a whole, `m_t` with all that it takes along, feels the share `1 - m_a/m_t` of `M`: what is above the plate
-//! keeps the rest.
-//! Source: the balance of linear momentum; JCGM 100:2008; JCGM 101:2008. Valid where the sensor feels the whole contact force
-//! and nothing else, and the striker is rigid and falls freely but for the contact.
+//! Behind the scope, before `measurement`, which reads plans and recordings. A striker of mass `m`
+//! that comes with `v_i` and leaves with `v_r` hands over `M = m (v_i + v_r) + m g (t2 - t1)`, its
+//! weight during the contact included; the sensor's voltage `V`, with its droop undone, integrates
+//! to `S M`: `S = integral (V + (1/tau) integral V) dt / M`. [`impact`] reads one record, [`model`]
+//! is that equation with all its inputs, [`budget`] propagates their uncertainties as the GUM says,
+//! [`monte_carlo`] as its first supplement. Inputs that several impacts share, such as the scope's
+//! gain, tau or a striker's mass, are one input: they do not average out. A plate below a mass
+//! `m_a` in a host that moves as a whole, `m_t` with all that it takes along, feels the share
+//! `1 - m_a/m_t` of `M`: what is above the plate keeps the rest. Source: the balance of linear
+//! momentum; JCGM 100:2008; JCGM 101:2008. Valid where the sensor feels the whole contact force and
+//! nothing else, and the striker is rigid and falls freely but for the contact.
 
 mod assemble;
 pub mod budget;
@@ -41,7 +43,8 @@ const MEDIAN_TO_DEVIATION: f64 = 1.4826;
 /// Calibrates.
 ///
 /// # Errors
-/// [`CalibrationError`] where fewer than two impacts can be used or nothing tells the time constant.
+/// [`CalibrationError`] where fewer than two impacts can be used or nothing tells the time
+/// constant.
 pub fn calibrate(
     strikes: &[PlannedStrike],
     common: &Common,
@@ -80,7 +83,8 @@ pub fn calibrate(
     Ok(assemble((strikes, common), read, &excluded, model, draws))
 }
 
-/// How the samples of each record scatter about a smooth curve: records of one range have one noise, and tell it together.
+/// How the samples of each record scatter about a smooth curve: records of one range have one
+/// noise, and tell it together.
 fn scatters(strikes: &[PlannedStrike]) -> Vec<MovingScatter> {
     let one = |strike: &PlannedStrike| {
         (strike.record.level, scatter(&strike.record.trace, strike.record.level))
@@ -107,7 +111,8 @@ fn no_tau(strikes: &[PlannedStrike]) -> CalibrationError {
     CalibrationError::TooFew { used, all: strikes.len(), reasons }
 }
 
-/// The impact farthest from the others, if it is too far: by its own uncertainty and by the others' scatter.
+/// The impact farthest from the others, if it is too far: by its own uncertainty and by the others'
+/// scatter.
 fn outlier(model: &MeasurementEquation) -> Option<(usize, f64)> {
     let values = model.each();
     if values.len() < 3 {

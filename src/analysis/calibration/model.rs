@@ -1,4 +1,5 @@
-//! The measurement equation with all its inputs in one vector, so that what impacts share is shared.
+//! The measurement equation with all its inputs in one vector, so that what impacts share is
+//! shared.
 
 use super::impact::Impact;
 pub use super::inputs::{Common, InputKind, InputQuantity, SpeedSource, StrikerMotion};
@@ -28,7 +29,8 @@ pub struct MeasurementEquation {
     fitted: bool,
 }
 
-/// Places of the shared inputs; masses come next, then [`INPUTS_PER_IMPACT`] inputs for each impact, then scatter and non-linearity.
+/// Places of the shared inputs; masses come next, then [`INPUTS_PER_IMPACT`] inputs for each
+/// impact, then scatter and non-linearity.
 const GAIN: usize = 0;
 const SCALE: usize = 1;
 const GRAVITY: usize = 2;
@@ -40,7 +42,8 @@ const MASSES: usize = 6;
 const INPUTS_PER_IMPACT: usize = 6;
 
 impl MeasurementEquation {
-    /// Puts the impacts, each with its place in the plan, and what they share together; none without a time constant.
+    /// Puts the impacts, each with its place in the plan, and what they share together; none
+    /// without a time constant.
     pub(super) fn new<'a>(
         impacts: impl Iterator<Item = (usize, &'a Impact, &'a StrikerMotion, Option<&'a Tail>)>,
         common: &Common,
@@ -175,8 +178,9 @@ impl MeasurementEquation {
         }
     }
 
-    /// Effective degrees of freedom of the sensitivity's standard uncertainty `u` (V/N): where the impacts scatter more than their own inputs
-    /// explain, their part is known from that scatter alone (1).
+    /// Effective degrees of freedom of the sensitivity's standard uncertainty `u` (V/N): where the
+    /// impacts scatter more than their own inputs explain, their part is known from that scatter
+    /// alone (1).
     pub(super) fn freedom(&self, u: f64) -> f64 {
         let ratio = self.birge_ratio();
         if ratio <= 1.0 {
@@ -288,7 +292,8 @@ impl MeasurementEquation {
         parts.map(|(i, part)| (self.one(i, &estimates, inverse_tau), part.own)).collect()
     }
 
-    /// Change of `output` when each input in turn goes from one standard uncertainty below to one above, halved (unit).
+    /// Change of `output` when each input in turn goes from one standard uncertainty below to one
+    /// above, halved (unit).
     pub fn changes<'a>(
         &'a self,
         output: &'a dyn Fn(&[f64]) -> f64,

@@ -1,10 +1,12 @@
 //! Propagation of distributions: all inputs drawn at once, many times.
 //!
-//! Every input is drawn from a normal distribution with its estimate and standard uncertainty; a gain within limits evenly. Checked against the propagation of
-//! uncertainty: the ends of both 95 % intervals agree to the numerical tolerance, half a unit of the last of two significant digits of the standard
-//! uncertainty, or of one where the draws do not resolve two.
-//! Source: JCGM 101:2008, clauses 7 and 8 (numerical tolerance: 7.9.2). Valid for any measurement equation; the ends of the interval scatter by 0.6 % of the
-//! standard uncertainty with 200,000 draws. Student's t, which the certificate adds, no draw has.
+//! Every input is drawn from a normal distribution with its estimate and standard uncertainty; a
+//! gain within limits evenly. Checked against the propagation of uncertainty: the ends of both 95 %
+//! intervals agree to the numerical tolerance, half a unit of the last of two significant digits of
+//! the standard uncertainty, or of one where the draws do not resolve two. Source: JCGM 101:2008,
+//! clauses 7 and 8 (numerical tolerance: 7.9.2). Valid for any measurement equation; the ends of
+//! the interval scatter by 0.6 % of the standard uncertainty with 200,000 draws. Student's t, which
+//! the certificate adds, no draw has.
 
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rand_pcg::Pcg64;
@@ -12,10 +14,11 @@ use rand_pcg::Pcg64;
 use super::model::MeasurementEquation;
 use crate::quantity::coverage::expanded_95;
 
-/// Significant digits of the standard uncertainty that both propagations are to agree in, as far as the draws resolve them.
+/// Significant digits of the standard uncertainty that both propagations are to agree in, as far as
+/// the draws resolve them.
 const DIGITS: [i32; 2] = [2, 1];
-/// Standard deviation of an end of the drawn interval times the root of the number of draws, over the standard uncertainty of a normal distribution:
-/// `sqrt(p (1 - p))/phi(z)` at `p = 0.025` (1).
+/// Standard deviation of an end of the drawn interval times the root of the number of draws, over
+/// the standard uncertainty of a normal distribution: `sqrt(p (1 - p))/phi(z)` at `p = 0.025` (1).
 const END_SCATTER: f64 = 2.67;
 /// Standard deviations of an end that the tolerance has to hold (1).
 const END_DEVIATIONS: f64 = 3.0;

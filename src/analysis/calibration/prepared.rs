@@ -7,7 +7,8 @@ use crate::analysis::pulse::{Conditions, PulseError};
 use crate::analysis::rounding::{AtRest, MovingScatter};
 use crate::trace::Trace;
 
-/// The contact begins and ends where the force passes this share of its peak, or the noise if that is more (1).
+/// The contact begins and ends where the force passes this share of its peak, or the noise if that
+/// is more (1).
 const CONTACT_SHARE: f64 = 0.01;
 /// A pulse must stand out of the noise this many times (1).
 const MIN_PEAK_TO_NOISE: f64 = 20.0;
@@ -88,7 +89,8 @@ impl PreparedRecord {
         self.signal.values.get(..self.peak)?.iter().rposition(|v| *v <= self.threshold)
     }
 
-    /// Sample from which on the voltage is summed: what the pulse has before it passes the threshold counts as well.
+    /// Sample from which on the voltage is summed: what the pulse has before it passes the
+    /// threshold counts as well.
     pub fn start(&self) -> Option<usize> {
         let rise = self.rise()?;
         Some(rise.saturating_sub((self.peak - rise) / LEAD_DIVISOR))

@@ -1,9 +1,12 @@
-//! The time constant from what a record shows behind the contact: no force, only the charge that is left, leaking away.
+//! The time constant from what a record shows behind the contact: no force, only the charge that is
+//! left, leaking away.
 //!
-//! Without force `V[i] + (1 - a) sum over k < i of V[k] = 0`; least squares of these gives `1 - a = 1 - exp(-dt/tau)`.
-//! On a quiet scope the signal behind the contact lingers between two levels, and rounding moves it and the zero together: for each zero that the codes at rest allow, what
-//! rounding adds on average to the signal found is taken off, and `1/tau` is the mean over these zeros; how it goes with the zero counts with the baseline.
-//! Valid where the sensor feels nothing behind the contact, as one that only the striker presses on.
+//! Without force `V[i] + (1 - a) sum over k < i of V[k] = 0`; least squares of these gives
+//! `1 - a = 1 - exp(-dt/tau)`. On a quiet scope the signal behind the contact lingers between two
+//! levels, and rounding moves it and the zero together: for each zero that the codes at rest allow,
+//! what rounding adds on average to the signal found is taken off, and `1/tau` is the mean over
+//! these zeros; how it goes with the zero counts with the baseline. Valid where the sensor feels
+//! nothing behind the contact, as one that only the striker presses on.
 
 use super::prepared::PreparedRecord;
 use super::record::RawRecord;
@@ -41,7 +44,8 @@ pub struct Tail {
 impl Tail {
     /// Weight among several (1).
     ///
-    /// Uncertainties go with one over what the contact leaves to leak away; their own estimates would favour records whose errors make the leak low.
+    /// Uncertainties go with one over what the contact leaves to leak away; their own estimates
+    /// would favour records whose errors make the leak low.
     pub fn weight(&self) -> f64 {
         self.charge * self.charge
     }
@@ -64,7 +68,8 @@ pub fn mean<'a>(tails: impl Iterator<Item = &'a Tail>) -> Option<(f64, f64)> {
     (weights > 0.0).then(|| (sum / weights, variance.sqrt() / weights))
 }
 
-/// Fits the end of `record`, whose samples scatter so about a smooth curve; none where there is too little.
+/// Fits the end of `record`, whose samples scatter so about a smooth curve; none where there is too
+/// little.
 pub fn fit(record: &RawRecord, scatter: MovingScatter) -> Option<Tail> {
     let prepared = PreparedRecord::new(record, scatter).ok()?;
     let signal = &prepared.signal;
@@ -107,8 +112,9 @@ pub fn fit(record: &RawRecord, scatter: MovingScatter) -> Option<Tail> {
     (tail.weight().is_finite() && tail.variance().is_finite()).then_some(tail)
 }
 
-/// `1 - a` for each zero that the codes at `rest` allow, with its probability and how far it is above the one found: each time what rounding adds to the smooth signal
-/// behind the contact is taken off, as far as it goes together.
+/// `1 - a` for each zero that the codes at `rest` allow, with its probability and how far it is
+/// above the one found: each time what rounding adds to the smooth signal behind the contact is
+/// taken off, as far as it goes together.
 fn without_rounding(values: &[f64], first: usize, rest: &AtRest) -> Option<Vec<(f64, f64, f64)>> {
     let zeros = rest.zeros();
     let one = |zero: &PossibleZero| {
@@ -130,7 +136,8 @@ fn without_rounding(values: &[f64], first: usize, rest: &AtRest) -> Option<Vec<(
 
 /// `tau` from several records; none where they show no leak above the noise (s).
 ///
-/// All records count, however little each tells: without those whose leak comes out low by chance the mean would be too high.
+/// All records count, however little each tells: without those whose leak comes out low by chance
+/// the mean would be too high.
 pub fn weighted_mean(tails: &[Option<Tail>]) -> Option<f64> {
     let (inverse, u) = mean(tails.iter().flatten())?;
     (inverse > MIN_LEAK_DEVIATIONS * u).then(|| 1.0 / inverse)
@@ -151,10 +158,11 @@ fn discharged(values: &[f64], first: usize, off: f64) -> Option<f64> {
     (leak.is_finite() && leak < 1.0).then_some(leak)
 }
 
-/// Standard uncertainties of `1 - a` from noise and rounding during the contact and behind it (1), and its change with the sum of the voltage over the contact (1/V).
+/// Standard uncertainties of `1 - a` from noise and rounding during the contact and behind it (1),
+/// and its change with the sum of the voltage over the contact (1/V).
 ///
-/// The change of `1 - a` with each sample times that sample's error. On a quiet scope what of the rounding errors behind the contact goes together has been taken off;
-/// all else is white.
+/// The change of `1 - a` with each sample times that sample's error. On a quiet scope what of the
+/// rounding errors behind the contact goes together has been taken off; all else is white.
 fn errors(values: &[f64], first: usize, leak: f64, rounding: Rounding) -> [f64; 3] {
     let mut before: Vec<f64> = Vec::with_capacity(values.len());
     let mut sum = 0.0;

@@ -1,9 +1,10 @@
 //! Viscoelastic spheres: `F = A (d^1.5 + 3/2 eta d^0.5 ddot)`.
 //!
-//! The quasistatic viscoelastic correction of Hertz's law; `eta` collects the materials' bulk and shear viscosities. The force is
-//! continuous where a contact closes, with the slope of a square root. Source: G. Kuwabara, K. Kono, Jpn. J. Appl. Phys. 26, 1230
-//! (1987); N. V. Brilliantov, F. Spahn, J.-M. Hertzsch, T. Pöschel, Phys. Rev. E 53, 5382 (1996). Valid for impacts slow
-//! against the materials' own relaxation: `3/2 eta (A/mu)^(2/5) v^(1/5)` well below 1.
+//! The quasistatic viscoelastic correction of Hertz's law; `eta` collects the materials' bulk and
+//! shear viscosities. The force is continuous where a contact closes, with the slope of a square
+//! root. Source: G. Kuwabara, K. Kono, Jpn. J. Appl. Phys. 26, 1230 (1987); N. V. Brilliantov, F.
+//! Spahn, J.-M. Hertzsch, T. Pöschel, Phys. Rev. E 53, 5382 (1996). Valid for impacts slow against
+//! the materials' own relaxation: `3/2 eta (A/mu)^(2/5) v^(1/5)` well below 1.
 
 use super::{Effect, LossSpec};
 use crate::quantity::engineering;

@@ -1,8 +1,10 @@
-//! A magnet that pulls one ferromagnetic particle: with a constant force, or as a ring or a measured table says.
+//! A magnet that pulls one ferromagnetic particle: with a constant force, or as a ring or a
+//! measured table says.
 //!
-//! The constant force is what the paper's calculations use. Source: Herbold et al. (2009), section II; Daraio et al., Phys. Rev. E
-//! 73, 026610 (2006). The other two stand in `crate::magnet`; in the static state they are a constant force as well, and
-//! [`super::MagnetLaw`] lets them change as the particle moves.
+//! The constant force is what the paper's calculations use. Source: Herbold et al. (2009), section
+//! II; Daraio et al., Phys. Rev. E 73, 026610 (2006). The other two stand in `crate::magnet`; in
+//! the static state they are a constant force as well, and [`super::MagnetLaw`] lets them change as
+//! the particle moves.
 
 use super::Effect;
 use crate::magnet::Magnet;
@@ -57,7 +59,8 @@ pub enum PlacedAt {
 }
 
 impl PlacedMagnet {
-    /// Moves the magnet to where it pulls with `force` (N) at rest, of several places to the nearest to where it was.
+    /// Moves the magnet to where it pulls with `force` (N) at rest, of several places to the
+    /// nearest to where it was.
     pub fn moved_to(&self, force: f64, present: f64) -> Option<Self> {
         let places = self.magnet.distances(force, self.temperature);
         let nearest = places

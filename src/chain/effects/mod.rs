@@ -1,8 +1,9 @@
 //! Optional physics of the chain: one file an effect, on only where a scene names its table.
 //!
-//! An effect whose force does not depend on the state is folded into the static solution before the first
-//! step and costs nothing during the run. Losses go into the contacts, and a chain that has some is integrated as another
-//! system; so is one whose magnet follows its particle. Adding an effect: `chain/effects/<name>.rs` and a field in [`EffectsSpec`].
+//! An effect whose force does not depend on the state is folded into the static solution before the
+//! first step and costs nothing during the run. Losses go into the contacts, and a chain that has
+//! some is integrated as another system; so is one whose magnet follows its particle. Adding an
+//! effect: `chain/effects/<name>.rs` and a field in [`EffectsSpec`].
 
 mod dashpot;
 mod gravity;
@@ -33,7 +34,8 @@ pub trait Effect {
     /// One line for the summary: what it is set to.
     fn summary(&self) -> String;
 
-    /// Adds its constant force on each body (N, downward positive). `striker` tells whether body 0 is one.
+    /// Adds its constant force on each body (N, downward positive). `striker` tells whether body 0
+    /// is one.
     fn add_load(&self, masses: &[f64], striker: bool, load: &mut [f64]) {
         let _ = (masses, striker, load);
     }

@@ -1,7 +1,9 @@
-//! The vector path: chains of elastic Hertz contacts under constant loads, eight contacts at a time.
+//! The vector path: chains of elastic Hertz contacts under constant loads, eight contacts at a
+//! time.
 //!
-//! `vector` is the arithmetic of an instruction set, `rows` the chain's layout and the sweep over its contacts, `rkn86` and `splitting`
-//! the steps of the two methods, `opening` the correction where contacts open or close, `stepper` the integrator. Everything else runs on
+//! `vector` is the arithmetic of an instruction set, `rows` the chain's layout and the sweep over
+//! its contacts, `rkn86` and `splitting` the steps of the two methods, `opening` the correction
+//! where contacts open or close, `stepper` the integrator. Everything else runs on
 //! [`crate::integrate`]'s own methods.
 
 mod frame;

@@ -1,15 +1,20 @@
 //! The correction at contact opening and closing.
 //!
-//! At zero overlap the force is only once differentiable, `F ~ (t - t0)^1.5`, and every quadrature of order above 2.5 loses its order there.
-//! The overlap itself is smooth: the quintic through both ends of the step (overlap, closing speed, relative acceleration) is integrated
-//! exactly up to rounding, by Gauss-Jacobi quadrature with the weight `s^1.5` from its root on. The difference to what the method's own nodes
-//! make of the same quintic is added to the velocities, its first moment to the positions:
+//! At zero overlap the force is only once differentiable, `F ~ (t - t0)^1.5`, and every quadrature
+//! of order above 2.5 loses its order there. The overlap itself is smooth: the quintic through both
+//! ends of the step (overlap, closing speed, relative acceleration) is integrated exactly up to
+//! rounding, by Gauss-Jacobi quadrature with the weight `s^1.5` from its root on. The difference to
+//! what the method's own nodes make of the same quintic is added to the velocities, its first
+//! moment to the positions:
 //!
-//! `dv = h/m (int_0^1 F dc - sum b'_i F(c_i))`, `dx = h^2/m (int_0^1 (1 - c) F dc - sum b_i F(c_i))`.
+//! `dv = h/m (int_0^1 F dc - sum b'_i F(c_i))`,
+//! `dx = h^2/m (int_0^1 (1 - c) F dc - sum b_i F(c_i))`.
 //!
-//! The embedded solution gets the same correction, so that the error estimate shows what is left over. A share of the correction and of the
-//! quintic's own uncertainty counts as error. Contacts that open or close so slowly that no body would show it are left out.
-//! Sources: C. W. Gear, O. Osterby, ACM Trans. Math. Softw. 10, 23 (1984); W. Gautschi, Orthogonal Polynomials (Oxford, 2004), section 3.1.
+//! The embedded solution gets the same correction, so that the error estimate shows what is left
+//! over. A share of the correction and of the quintic's own uncertainty counts as error. Contacts
+//! that open or close so slowly that no body would show it are left out. Sources: C. W. Gear, O.
+//! Osterby, ACM Trans. Math. Softw. 10, 23 (1984); W. Gautschi, Orthogonal Polynomials (Oxford,
+//! 2004), section 3.1.
 
 use super::rkn86::{
     NODES, POSITION, POSITION_ERROR, STAGES, Trial, VELOCITY, VELOCITY_ERROR, Weights,
@@ -25,23 +30,27 @@ const ROOT_NODES: [(f64, f64); 5] = [
     (0.815_071_707_804_017_6, 0.144_130_795_395_627_18),
     (0.962_989_798_475_994_5, 0.088_646_788_043_552_97),
 ];
-/// Overlap that may be left at the root, as a share of those at both ends: the impulse is off by less than that share of itself (1).
+/// Overlap that may be left at the root, as a share of those at both ends: the impulse is off by
+/// less than that share of itself (1).
 const ROOT_RESIDUE: f64 = 1e-7;
 /// Most iterations of the search for a root.
 const MAX_ITERATIONS: usize = 30;
 /// Times in the step at which an overlap is evaluated that may have changed sides twice (1).
 const PROBE_TIMES: [f64; 8] = [0.12, 0.23, 0.34, 0.45, 0.55, 0.66, 0.77, 0.88];
-/// Share of a correction that counts as error: larger than the residuals measured on colliding beads (1).
+/// Share of a correction that counts as error: larger than the residuals measured on colliding
+/// beads (1).
 const CORRECTION_SHARE: f64 = 0.01;
 /// Share of the quintic's own uncertainty that counts as error (1).
 const MODEL_SHARE: f64 = 0.1;
 /// Mean time that the quintic's uncertainty has to move bodies, as a share of the step (1).
 const MODEL_TIME_SHARE: f64 = 0.3;
-/// An impulse that moves the lightest body by less than this share of the tolerated error is negligible (1).
+/// An impulse that moves the lightest body by less than this share of the tolerated error is
+/// negligible (1).
 const NEGLIGIBLE_SHARE: f64 = 0.01;
 /// The pair's nodes miss at most this much of the impulse of `max(t - t0, 0)^1.5` over a step (1).
 const MAX_MISSED_IMPULSE: f64 = 0.0062;
-/// A missed impulse below so many negligible ones, 0.3 of the tolerated error, is not corrected (1).
+/// A missed impulse below so many negligible ones, 0.3 of the tolerated error, is not corrected
+/// (1).
 const UNCORRECTED: f64 = 30.0;
 
 /// What corrections add to the error estimates.
@@ -57,7 +66,8 @@ pub struct Guard {
     pub is_changed: bool,
 }
 
-/// Overlap, closing speed and relative acceleration times 1, `h` and `h^2`, at both ends of the step (m).
+/// Overlap, closing speed and relative acceleration times 1, `h` and `h^2`, at both ends of the
+/// step (m).
 type Ends = [[f64; 3]; 2];
 
 fn ends(chain: &ChainRows, [from, to]: [&Motion; 2], contact: usize, h: f64) -> Ends {
@@ -71,8 +81,8 @@ fn ends(chain: &ChainRows, [from, to]: [&Motion; 2], contact: usize, h: f64) -> 
     [end(from), end(to)]
 }
 
-/// Corrects the step of `h` (s) from `now` to `next` that `trial` holds, tolerated errors being `tolerated` (m, m/s) and the smallest mass
-/// `lightest` (kg).
+/// Corrects the step of `h` (s) from `now` to `next` that `trial` holds, tolerated errors being
+/// `tolerated` (m, m/s) and the smallest mass `lightest` (kg).
 pub fn correct(
     chain: &ChainRows,
     (now, next): (&Motion, &mut Motion),
@@ -233,7 +243,8 @@ impl Missed {
         let weigh =
             |weights: &Weights| weights.iter().zip(&at_nodes).map(|(w, f)| w * f).sum::<f64>();
         let root = quintic.root(ends);
-        // The closed part reaches from the root to the end of the step where the contact is closed there, else to the start.
+        // The closed part reaches from the root to the end of the step where the contact is closed
+        // there, else to the start.
         let length = if ends[1][0] > 0.0 { 1.0 - root } else { -root };
         let (mut impulse, mut moment) = (0.0, 0.0);
         for (node, weight) in ROOT_NODES {
@@ -261,8 +272,8 @@ fn undetermined([[p0, w0, g0], [p1, w1, g1]]: &Ends) -> f64 {
     (early + late).abs() / 64.0
 }
 
-/// How far an overlap of the same sign at both ends was on the other side of zero in between (m): it moves towards zero at the start and away
-/// from it at the end, and the tangents meet beyond.
+/// How far an overlap of the same sign at both ends was on the other side of zero in between (m):
+/// it moves towards zero at the start and away from it at the end, and the tangents meet beyond.
 fn overlap_beyond(ends: &Ends) -> f64 {
     let [[from, start, _], [to, end, _]] = *ends;
     let meets_beyond = start * (to - end) - end * from > 0.0;
@@ -278,8 +289,9 @@ fn overlap_beyond(ends: &Ends) -> f64 {
 mod tests {
     use super::*;
 
-    /// Parabolas through zero, opening or closing: their integrals against the midpoint rule in `s^2` from the root on, where they are smooth.
-    /// The last two are so bent that five nodes follow them less closely.
+    /// Parabolas through zero, opening or closing: their integrals against the midpoint rule in
+    /// `s^2` from the root on, where they are smooth. The last two are so bent that five nodes
+    /// follow them less closely.
     #[test]
     fn integrals_are_those_of_the_overlap() {
         for (root, b, c, allowed) in [

@@ -1,7 +1,9 @@
-//! One trial step of the Runge-Kutta-Nystrom pair 8(6) of Dormand, El-Mikkawy and Prince on the chain in rows.
+//! One trial step of the Runge-Kutta-Nystrom pair 8(6) of Dormand, El-Mikkawy and Prince on the
+//! chain in rows.
 //!
-//! `x_s = x + c_s h v + h^2 sum a_sj k_j`, `k_s = a(x_s)`; the new position is the last stage's, so a step costs eight evaluations. Sums of
-//! positions and velocities are compensated. Source and coefficients: [`mod@crate::integrate::dormand_el_mikkawy_prince_86`].
+//! `x_s = x + c_s h v + h^2 sum a_sj k_j`, `k_s = a(x_s)`; the new position is the last stage's, so
+//! a step costs eight evaluations. Sums of positions and velocities are compensated. Source and
+//! coefficients: [`mod@crate::integrate::dormand_el_mikkawy_prince_86`].
 #![allow(
     clippy::inline_always,
     reason = "the code has to be inlined into functions compiled for the instruction set"
@@ -83,7 +85,8 @@ pub struct Judged {
     pub overlap: f64,
     /// Largest speed at the end (m/s).
     pub speed: f64,
-    /// Largest error estimates of positions and velocities, not a number where the state is none (m, m/s).
+    /// Largest error estimates of positions and velocities, not a number where the state is none
+    /// (m, m/s).
     pub errors: [f64; 2],
     /// Whether any contact has changed sides, or may have.
     pub is_changed: bool,
@@ -158,7 +161,8 @@ impl<S: Simd, const N: usize> Visit<S> for Stage<'_, N> {
 
 /// The end of a step, or any state: its contacts and accelerations.
 struct Arrival<'a, V> {
-    /// The step that leads there, from where: positions, velocities and what rounding took (m, m/s, m); none where positions are known.
+    /// The step that leads there, from where: positions, velocities and what rounding took (m, m/s,
+    /// m); none where positions are known.
     step: Option<(Stages<'a>, f64, [&'a [Row]; 3])>,
     exists: &'a [Row],
     position: &'a mut [Row],
@@ -280,7 +284,8 @@ impl TrialStep<'_> {
             speed = v_new.abs().max(speed);
             let x_new = simd.load(&position[r]);
             not_finite = (x_new + v_new).mul_add(none, not_finite);
-            // A contact that had its present closing speed all the time comes from beyond zero overlap.
+            // A contact that had its present closing speed all the time comes from beyond zero
+            // overlap.
             let overlap = simd.load(&chain.static_overlap[r]) + (x_new.shift_up(x_above) - x_new);
             let travel = (v_new.shift_up(v_above) - v_new) * simd.splat(h);
             let comes_from_beyond = overlap * simd.load(&chain.exists[r]) * (travel - overlap);

@@ -1,8 +1,10 @@
-//! The chain in rows of eight: what the kernels read and write, and the sweep over it that all of them share.
+//! The chain in rows of eight: what the kernels read and write, and the sweep over it that all of
+//! them share.
 //!
-//! Entry `j` is contact `j` and the body below it, in row `j / 8`, lane `j % 8`. Entries behind the last contact are padding: no
-//! stiffness, no inverse mass. The force is that of [`crate::chain::hertz::force_change`]: the change against the static one without
-//! cancellation, exactly zero where nothing has moved, so that a chain at rest stays at rest to the last bit.
+//! Entry `j` is contact `j` and the body below it, in row `j / 8`, lane `j % 8`. Entries behind the
+//! last contact are padding: no stiffness, no inverse mass. The force is that of
+//! [`crate::chain::hertz::force_change`]: the change against the static one without cancellation,
+//! exactly zero where nothing has moved, so that a chain at rest stays at rest to the last bit.
 #![allow(
     clippy::inline_always,
     reason = "the code has to be inlined into functions compiled for the instruction set"
@@ -96,7 +98,8 @@ pub struct Touch<V> {
     pub closed: u8,
 }
 
-/// Contacts of these stiffnesses (N/m^1.5), static overlaps (m) and their roots (m^0.5), when their overlaps have changed by `change` (m).
+/// Contacts of these stiffnesses (N/m^1.5), static overlaps (m) and their roots (m^0.5), when their
+/// overlaps have changed by `change` (m).
 #[inline(always)]
 pub fn force_change<S: Simd>(
     simd: S,
@@ -115,7 +118,8 @@ pub fn force_change<S: Simd>(
     Touch { change, force, tangent, closed }
 }
 
-/// The constants of the rows in the sweep: slices of one length, so that the compiler sees that rows are inside.
+/// The constants of the rows in the sweep: slices of one length, so that the compiler sees that
+/// rows are inside.
 #[derive(Clone, Copy)]
 struct Live<'a> {
     stiffness: &'a [Row],
@@ -138,8 +142,9 @@ impl<'a> Live<'a> {
     }
 }
 
-/// What a sweep asks and gives, row by row. A trait and no closures: these would be compiled without the instruction set where the compiler does
-/// not inline them, and be twenty times as slow. Its methods are to be marked `#[inline(always)]`.
+/// What a sweep asks and gives, row by row. A trait and no closures: these would be compiled
+/// without the instruction set where the compiler does not inline them, and be twenty times as
+/// slow. Its methods are to be marked `#[inline(always)]`.
 pub trait Visit<S: Simd> {
     /// Positions of row `r` (m).
     fn positions(&mut self, simd: S, r: usize) -> S::V;
@@ -183,8 +188,9 @@ fn accelerations<S: Simd>(simd: S, chain: Live, r: usize, force: S::V, below: S:
     net.mul_add(simd.load(&chain.inverse_mass[r]), simd.load(&chain.residual[r]))
 }
 
-/// The second sweep of what changes at a given rate: rates of the contact forces, `3/2 tangent (above - below)`, and what they make of the
-/// bodies' accelerations. With velocities for `values` these are jerks (m/s³), with accelerations the gradient of the accelerations along
+/// The second sweep of what changes at a given rate: rates of the contact forces,
+/// `3/2 tangent (above - below)`, and what they make of the bodies' accelerations. With velocities
+/// for `values` these are jerks (m/s³), with accelerations the gradient of the accelerations along
 /// themselves (m/s⁴).
 #[inline(always)]
 pub fn rates<S: Simd>(
@@ -222,7 +228,8 @@ pub struct Motion {
     pub acceleration: Vec<Row>,
     /// Two thirds of the tangent stiffnesses of the contacts (N/m).
     pub tangent: Vec<Row>,
-    /// What rounding took from positions (m) and velocities (m/s), to be given back by the next sum.
+    /// What rounding took from positions (m) and velocities (m/s), to be given back by the next
+    /// sum.
     pub lost: [Vec<Row>; 2],
     /// Bits of the contacts that are closed, row by row.
     pub closed: Vec<u8>,

@@ -20,7 +20,8 @@ pub struct ContactStep<'a> {
     pub weight: f64,
 }
 
-/// Writes the weighted sum of the force changes (N) at the fractions `first + i * interval` of a step.
+/// Writes the weighted sum of the force changes (N) at the fractions `first + i * interval` of a
+/// step.
 pub struct SampleForces<'a> {
     /// The two contacts.
     pub contacts: [ContactStep<'a>; 2],

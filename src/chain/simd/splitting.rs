@@ -1,4 +1,5 @@
-//! One step of a splitting on the chain in rows: kicks and drifts in turn, kicks also by the gradient of the accelerations along themselves.
+//! One step of a splitting on the chain in rows: kicks and drifts in turn, kicks also by the
+//! gradient of the accelerations along themselves.
 //!
 //! `v += b h a(x) + g h^3 (da/dx) a`, `x += a h v`; see [`mod@crate::integrate::splitting`].
 #![allow(

@@ -14,16 +14,19 @@ use crate::integrate::splitting::{Clock, Splitting};
 use crate::integrate::two_step::{self, ContactMotion, NO_CONTACT, StiffContact, TwoStep};
 use crate::integrate::{IntegrateError, Integrator, Interpolant, Scales, Scheme, State, Work};
 
-/// Rows at rest that are kept in the sweep behind the last one that moves: within a step motion spreads by a contact a stage, of which there
-/// are fewer than in these.
+/// Rows at rest that are kept in the sweep behind the last one that moves: within a step motion
+/// spreads by a contact a stage, of which there are fewer than in these.
 const MARGIN: usize = 2;
-/// Speed from which a row counts as moving, as a share of the largest at the start: forces without cancellation send something ahead however
-/// far, far below 1e-13 of the impact, under which nothing is a pulse (1).
+/// Speed from which a row counts as moving, as a share of the largest at the start: forces without
+/// cancellation send something ahead however far, far below 1e-13 of the impact, under which
+/// nothing is a pulse (1).
 const MOVING_SHARE: f64 = 1e-30;
-/// A step grows at most by this factor: the error estimate does not see how sharply a force sets in that begins at zero overlap. With 5 instead
-/// of 3, first peaks of a chain under gravity were five to ten times as far off at 1e-6 to 1e-9 (1).
+/// A step grows at most by this factor: the error estimate does not see how sharply a force sets in
+/// that begins at zero overlap. With 5 instead of 3, first peaks of a chain under gravity were five
+/// to ten times as far off at 1e-6 to 1e-9 (1).
 const MAX_GROWTH: f64 = 3.0;
-/// A correction that moves positions by less than this share of the tolerance leaves the accelerations as they are (1).
+/// A correction that moves positions by less than this share of the tolerance leaves the
+/// accelerations as they are (1).
 const UNMOVED_SHARE: f64 = 0.03;
 
 /// Longest step that error control accepts, in terms of the fastest oscillation (rad).
@@ -82,7 +85,8 @@ pub struct VectorStepper {
 }
 
 impl VectorStepper {
-    /// Starts `scheme` on `chain` at `state`. Errors that the pair tolerates are relative to the largest overlap change and speed so far.
+    /// Starts `scheme` on `chain` at `state`. Errors that the pair tolerates are relative to the
+    /// largest overlap change and speed so far.
     pub fn new(chain: &Chain, state: &State, scheme: Scheme, set: InstructionSet) -> Self {
         let rows = ChainRows::new(chain);
         let mut now = Motion::at_rest(rows.len());
@@ -175,7 +179,8 @@ impl VectorStepper {
         self.changes
     }
 
-    /// Position, velocity and acceleration of `body` at the end of the last step; zero for a body that is not there (m, m/s, m/s²).
+    /// Position, velocity and acceleration of `body` at the end of the last step; zero for a body
+    /// that is not there (m, m/s, m/s²).
     #[inline]
     pub fn body(&self, body: Option<usize>) -> [f64; 3] {
         match body {
@@ -184,7 +189,8 @@ impl VectorStepper {
         }
     }
 
-    /// Displacement of each body (m) and force change of each contact (N) at the fraction `theta` of the last step.
+    /// Displacement of each body (m) and force change of each contact (N) at the fraction `theta`
+    /// of the last step.
     pub fn frame(&mut self, theta: f64) -> (impl Iterator<Item = f64>, impl Iterator<Item = f64>) {
         let rows = self.chain.len();
         let [jerks, out] = &mut self.frame;

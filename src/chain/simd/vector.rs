@@ -1,7 +1,9 @@
-//! Eight doubles side by side: one register with AVX-512, two with AVX2, an array that the compiler vectorises elsewhere.
+//! Eight doubles side by side: one register with AVX-512, two with AVX2, an array that the compiler
+//! vectorises elsewhere.
 //!
-//! A [`Simd`] value is the proof that the processor has its instructions: [`InstructionSet`] makes one after asking the processor, and
-//! vectors come from nothing else. So the methods are safe, though the intrinsics beneath are not.
+//! A [`Simd`] value is the proof that the processor has its instructions: [`InstructionSet`] makes
+//! one after asking the processor, and vectors come from nothing else. So the methods are safe,
+//! though the intrinsics beneath are not.
 #![allow(
     unsafe_code,
     reason = "intrinsics; a `Simd` value exists only where the processor has them"
@@ -30,7 +32,8 @@ pub trait Kernel {
     /// What it returns.
     type Output;
 
-    /// Runs it; to be marked `#[inline(always)]`, so that it is compiled with the instructions of `S`.
+    /// Runs it; to be marked `#[inline(always)]`, so that it is compiled with the instructions of
+    /// `S`.
     fn run<S: Simd>(self, simd: S) -> Self::Output;
 }
 
@@ -49,13 +52,15 @@ pub trait Simd: Copy {
     fn run<K: Kernel>(self, kernel: K) -> K::Output;
 }
 
-/// Arithmetic on eight doubles. Fused multiply-adds round once with AVX-512 and AVX2, twice elsewhere.
+/// Arithmetic on eight doubles. Fused multiply-adds round once with AVX-512 and AVX2, twice
+/// elsewhere.
 pub trait Vector:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
     /// `self * b + c`
     fn mul_add(self, b: Self, c: Self) -> Self;
-    /// `self` where it is larger than `other`, else `other`: a NaN in `other` stays, one in `self` does not.
+    /// `self` where it is larger than `other`, else `other`: a NaN in `other` stays, one in `self`
+    /// does not.
     fn max(self, other: Self) -> Self;
     /// Magnitudes.
     fn abs(self) -> Self;
@@ -320,8 +325,9 @@ mod x86 {
             Self(unsafe { _mm512_abs_pd(self.0) })
         }
 
-        /// From the 14 bits of the reciprocal root by Householder's correction of fourth order: with `y` the estimate and
-        /// `e = 1 - a y^2`, the root is `a y (1 + e/2 + 3/8 e^2 + 5/16 e^3)`. Faster than the square-root unit.
+        /// From the 14 bits of the reciprocal root by Householder's correction of fourth order:
+        /// with `y` the estimate and `e = 1 - a y^2`, the root is
+        /// `a y (1 + e/2 + 3/8 e^2 + 5/16 e^3)`. Faster than the square-root unit.
         #[inline(always)]
         fn root(self) -> Self {
             let estimate = Self(unsafe { _mm512_rsqrt14_pd(self.0) });
@@ -506,7 +512,8 @@ mod tests {
         }
     }
 
-    /// Every operation on every instruction set, against the same on single numbers; a NaN stays where it is said to.
+    /// Every operation on every instruction set, against the same on single numbers; a NaN stays
+    /// where it is said to.
     #[test]
     fn every_instruction_set_computes_the_same() {
         let a = [1.5, -2.0, 0.0, f64::NAN, 1e-9, -0.0, 7.0, 3.0];
@@ -549,7 +556,8 @@ mod tests {
         }
     }
 
-    /// `a^1.5` against a reference of twice as many digits, for overlaps far below and far above any bead's.
+    /// `a^1.5` against a reference of twice as many digits, for overlaps far below and far above
+    /// any bead's.
     #[test]
     fn powers_are_within_two_ulp() {
         let mut bits = 0x9E37_79B9_7F4A_7C15_u64;

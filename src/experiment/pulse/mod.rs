@@ -1,5 +1,5 @@
-//! Records a probe's force: samples, local maxima, and the first time a level was reached, all from the
-//! interpolant and none from the integrator's grid.
+//! Records a probe's force: samples, local maxima, and the first time a level was reached, all from
+//! the interpolant and none from the integrator's grid.
 
 mod read;
 
@@ -10,16 +10,19 @@ use super::segment::{Bracket, ForceHistory, Rise, Segment};
 use crate::chain::probe_step::{ContactPair, ForceSamples, ProbeTracker, SAMPLE_TIMES};
 use crate::chain::{ForceProbe, ForceSegment};
 
-/// A force that rises from zero has no maximum between two looks that exceeds the larger of them by more than this factor: looks are a
-/// fifteenth of the fastest oscillation apart, or the step would not have been accepted (1).
+/// A force that rises from zero has no maximum between two looks that exceeds the larger of them by
+/// more than this factor: looks are a fifteenth of the fastest oscillation apart, or the step would
+/// not have been accepted (1).
 const MAX_BETWEEN_SAMPLES: f64 = 1.25;
-/// Where a force rises at two looks and their cubic's least rate in between is below this share of both rates, it may fall there (1).
+/// Where a force rises at two looks and their cubic's least rate in between is below this share of
+/// both rates, it may fall there (1).
 const MIN_RATE_SHARE: f64 = 0.3;
 /// A peak counts when it exceeds this share of the record's largest dynamic force (1).
 pub const PEAK_SHARE: f64 = 0.25;
 /// Lowest level that is remembered for certain, as a share of the first peak (1).
 pub const MIN_LEVEL_SHARE: f64 = 1e-3;
-/// Forces up to this share of the static force, or of the impact's, are rounding and not a pulse (1).
+/// Forces up to this share of the static force, or of the impact's, are rounding and not a pulse
+/// (1).
 const ROUNDING_SHARE: f64 = 1e-13;
 /// Least jump between the interpolants of two steps, as a share of the largest force (1).
 const MIN_JUMP_SHARE: f64 = 1e-6;
@@ -46,7 +49,8 @@ pub struct Peak {
 pub struct PassedOver {
     /// Its dynamic force (N).
     pub dynamic_n: f64,
-    /// When a larger force raised the threshold above that; time since the striker's first contact (s).
+    /// When a larger force raised the threshold above that; time since the striker's first contact
+    /// (s).
     pub until_s: f64,
 }
 
@@ -71,7 +75,8 @@ pub struct PulseRecorder {
     largest: f64,
     /// Lower bound of the highest maximum (N).
     highest: f64,
-    /// The highest of those that were the first and are forgotten: a force that has exceeded a maximum before it has been at another.
+    /// The highest of those that were the first and are forgotten: a force that has exceeded a
+    /// maximum before it has been at another.
     passed_over: Option<Bracket>,
     rate_before: f64,
     /// Force at the end of the last step (N).
@@ -79,7 +84,8 @@ pub struct PulseRecorder {
 }
 
 impl PulseRecorder {
-    /// Starts with nothing felt in a chain that is let go with these velocities (m/s); `impact` is the force that the impact raises (N).
+    /// Starts with nothing felt in a chain that is let go with these velocities (m/s); `impact` is
+    /// the force that the impact raises (N).
     pub fn new(probe: &ForceProbe, impact: f64, velocities: &[f64]) -> Self {
         let static_force = probe.static_force();
         Self {
@@ -142,7 +148,8 @@ impl PulseRecorder {
         [self.first_exceeds().max(FOOT_SHARE * self.quietest), self.largest]
     }
 
-    /// Lower bound of a first peak that is yet to come: a share of the largest force, and all maxima before it, or one of them were first (N).
+    /// Lower bound of a first peak that is yet to come: a share of the largest force, and all
+    /// maxima before it, or one of them were first (N).
     fn first_exceeds(&self) -> f64 {
         self.highest.max(PEAK_SHARE * self.largest)
     }
@@ -165,7 +172,8 @@ impl PulseRecorder {
         self.rises.push(rise);
     }
 
-    /// Frees memory of what is not read: maxima below the threshold of the first peak, which only rises, and rises to levels far below it.
+    /// Frees memory of what is not read: maxima below the threshold of the first peak, which only
+    /// rises, and rises to levels far below it.
     fn clear_history(&mut self) {
         let threshold = PEAK_SHARE * self.largest;
         // What exceeds all before is higher than what did so earlier.
@@ -206,8 +214,8 @@ impl PulseRecorder {
         }
     }
 
-    /// A maximum that may become the first peak, between the look that came last and one with this force (N) and rate of change (N/s), `low` and
-    /// `high` in a step of `length` (s).
+    /// A maximum that may become the first peak, between the look that came last and one with this
+    /// force (N) and rate of change (N/s), `low` and `high` in a step of `length` (s).
     fn between(
         &self,
         (low, high): (f64, f64),
@@ -226,7 +234,8 @@ impl PulseRecorder {
         let mean = (force - self.last) / span;
         let (mut between, mut rates) = ([low, high], [before, after]);
         if before <= 0.0 || after > 0.0 {
-            // Up and down again, or down and up again before it falls: one end of the maximum is in between.
+            // Up and down again, or down and up again before it falls: one end of the maximum is in
+            // between.
             let (sign, inner) = if after > 0.0 { (1.0, 1) } else { (-1.0, 0) };
             if !may_decrease((sign * before, sign * after), sign * mean, MIN_RATE_SHARE) {
                 return None;
@@ -242,7 +251,8 @@ impl PulseRecorder {
         Some(Bracket { segment: segment(), between, rates, most, exceeds_all: false })
     }
 
-    /// A force that jumps up as a contact closes and then falls has its peak at the jump: force and its rate of change after it (N, N/s).
+    /// A force that jumps up as a contact closes and then falls has its peak at the jump: force and
+    /// its rate of change after it (N, N/s).
     fn jump(&mut self, segment: Segment, [force, rate]: [f64; 2]) {
         if force - self.last > MIN_JUMP_SHARE * self.largest && rate <= 0.0 {
             let exceeds_all = force > self.largest;

@@ -6,7 +6,8 @@ use crate::experiment::segment::Rise;
 use crate::numeric::roots::root;
 
 impl PulseRecorder {
-    /// A copy that takes up no more memory than its readings need: of many that are kept, most would be empty.
+    /// A copy that takes up no more memory than its readings need: of many that are kept, most
+    /// would be empty.
     pub fn readings(&mut self) -> Self {
         self.clear_history();
         self.clone()
@@ -22,8 +23,8 @@ impl PulseRecorder {
         self.largest <= self.quietest
     }
 
-    /// The first local maximum of the dynamic force above a quarter of its largest value so far, and above the rounding of the static
-    /// force and of the impact's.
+    /// The first local maximum of the dynamic force above a quarter of its largest value so far,
+    /// and above the rounding of the static force and of the impact's.
     pub fn first_peak(&self) -> Option<Peak> {
         let threshold = (PEAK_SHARE * self.largest).max(self.quietest);
         let high = self.peaks.iter().filter(|peak| peak.most > threshold);
@@ -33,7 +34,8 @@ impl PulseRecorder {
         Some(Peak { total_n: dynamic_n + self.static_force, dynamic_n, time_s })
     }
 
-    /// The highest maximum that was the first peak until larger forces raised the threshold above it.
+    /// The highest maximum that was the first peak until larger forces raised the threshold above
+    /// it.
     pub fn passed_over(&self) -> Option<PassedOver> {
         let threshold = (PEAK_SHARE * self.largest).max(self.quietest);
         let tops = self.passed_over.iter().chain(&self.peaks).map(|peak| self.felt.top(peak).1);
@@ -44,8 +46,9 @@ impl PulseRecorder {
         Some(PassedOver { dynamic_n, until_s: self.first_reach(dynamic_n / PEAK_SHARE)? })
     }
 
-    /// The time when the dynamic force first reached `level` (N), which is positive; none where it did not, or where the level is lower than
-    /// [`MIN_LEVEL_SHARE`](super::MIN_LEVEL_SHARE) of a first peak and no longer remembered (s).
+    /// The time when the dynamic force first reached `level` (N), which is positive; none where it
+    /// did not, or where the level is lower than [`MIN_LEVEL_SHARE`](super::MIN_LEVEL_SHARE) of a
+    /// first peak and no longer remembered (s).
     pub fn first_reach(&self, level: f64) -> Option<f64> {
         let is_it = |rise: &&Rise| rise.reached >= level && level > self.forgotten;
         let Rise { segment, top, .. } = self.rises.iter().find(is_it)?;

@@ -30,7 +30,8 @@ pub enum MathFunction {
 const PAIRS: [(u8, u8); 2] = [(1, 2), (3, 4)];
 
 impl MathFunction {
-    /// Reads a definition, e.g. `CH1 - CH2` or `FFT(CH1,HANNING)`; `None` for what this instrument has not.
+    /// Reads a definition, e.g. `CH1 - CH2` or `FFT(CH1,HANNING)`; `None` for what this instrument
+    /// has not.
     pub fn parse(definition: &str, channels: u8) -> Option<Self> {
         let text: String = definition.chars().filter(|c| !c.is_whitespace()).collect();
         let upper = text.to_ascii_uppercase();

@@ -183,7 +183,8 @@ impl Panel {
         limits::rounded(level.clamp(low, high), 7)
     }
 
-    /// The settings of front end and digitiser: channels that are recorded or trigger are on. Free of errors and noise.
+    /// The settings of front end and digitiser: channels that are recorded or trigger are on. Free
+    /// of errors and noise.
     pub fn setup(&self, model: &Model) -> Setup {
         let trigger_source = self.trigger.source.channel();
         let channel = |number: u8| {

@@ -7,7 +7,8 @@ use crate::scope::{Coupling, VerticalSetup};
 pub struct Channel {
     /// Whether the channel is on.
     pub displayed: bool,
-    /// Whether the scale may stand between the steps of 1-2-5: Volts/Div on Fine in the channel's menu.
+    /// Whether the scale may stand between the steps of 1-2-5: Volts/Div on Fine in the channel's
+    /// menu.
     pub fine: bool,
     /// Scale, position, coupling, bandwidth, inversion, probe.
     pub vertical: VerticalSetup,

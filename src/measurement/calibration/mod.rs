@@ -48,7 +48,8 @@ pub struct Calibrated {
 /// Calibrates as `plan` says; `columns` tells what those of tables are, where they do not.
 ///
 /// # Errors
-/// [`PlanRunError`]: a recording that cannot be read or has no such channel, at its place in the plan; or too few impacts left.
+/// [`PlanRunError`]: a recording that cannot be read or has no such channel, at its place in the
+/// plan; or too few impacts left.
 pub fn run(plan: &CalibrationPlan, columns: &TableColumns) -> Result<Calibrated, PlanRunError> {
     let mut problems = Vec::new();
     let (mut strikes, mut evidence) = (Vec::new(), Vec::new());
@@ -89,7 +90,8 @@ fn another_chain(plan: &CalibrationPlan, evidence: &[RecordingEvidence]) -> Opti
     Some(place.problem("impacts.recording", found, expected))
 }
 
-/// A dividing probe is another load than the scope's own input, and with it the time constant is another: the first impact with one.
+/// A dividing probe is another load than the scope's own input, and with it the time constant is
+/// another: the first impact with one.
 fn another_load(plan: &CalibrationPlan, evidence: &[RecordingEvidence]) -> Option<Problem> {
     let is_own_input = plan.charge_amplifier.is_none() && plan.load == INPUT;
     let divides = |proof: &RecordingEvidence| is_own_input && proof.probe > 1.0;
@@ -99,7 +101,8 @@ fn another_load(plan: &CalibrationPlan, evidence: &[RecordingEvidence]) -> Optio
     Some(plan.impacts.get(place)?.place.problem("impacts.recording", found, expected.to_owned()))
 }
 
-/// A capture as the calibration takes it; none for a record over frequency or in another unit than volts.
+/// A capture as the calibration takes it; none for a record over frequency or in another unit than
+/// volts.
 pub fn record(capture: &Capture, window: Option<Gate>) -> Option<RawRecord> {
     let level = capture.waveform.preamble.y_mult.abs();
     if capture.waveform.preamble.y_unit != "V" {

@@ -27,7 +27,8 @@ pub(super) fn speed((means, value): (SpeedMethod, Uncertain)) -> SpeedSource {
     }
 }
 
-/// A scatter that many times what the inputs explain is no chance: with six impacts normal errors exceed it in 2 of 10,000 calibrations (1).
+/// A scatter that many times what the inputs explain is no chance: with six impacts normal errors
+/// exceed it in 2 of 10,000 calibrations (1).
 const LARGEST_BIRGE_RATIO: f64 = 2.2;
 /// Of so many impacts one may be left out as an outlier.
 const MOST_OUTLIERS: usize = 4;

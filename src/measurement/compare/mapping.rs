@@ -1,5 +1,5 @@
-//! Which measured channel belongs to which simulated one: by what the user says, by the wiring that both recordings tell, else by the
-//! channel's number, which is a guess and is called one.
+//! Which measured channel belongs to which simulated one: by what the user says, by the wiring that
+//! both recordings tell, else by the channel's number, which is a guess and is called one.
 
 use super::ComparedShot;
 use crate::measurement::metadata::{self, RecordedSensor};

@@ -1,8 +1,10 @@
-//! A measurement held against a simulation, channel by channel: brought onto one time axis, scored, judged.
+//! A measurement held against a simulation, channel by channel: brought onto one time axis, scored,
+//! judged.
 //!
-//! One shift serves all channels, since a scope has one time base: speeds stay what they are. Gain and offset are found and told, and
-//! never taken out. Peaks and arrivals (half-rise) come from the first pulse with the sensor's droop undone where its time constant is
-//! known; a measured channel whose sensor is not known borrows the simulated one's. The other scores are those of
+//! One shift serves all channels, since a scope has one time base: speeds stay what they are. Gain
+//! and offset are found and told, and never taken out. Peaks and arrivals (half-rise) come from the
+//! first pulse with the sensor's droop undone where its time constant is known; a measured channel
+//! whose sensor is not known borrows the simulated one's. The other scores are those of
 //! [`crate::analysis::comparison`]. JSON names and units are part of the interface.
 
 mod compared_shot;
@@ -32,7 +34,8 @@ pub enum Align {
     /// Arrival on arrival, half-rise, at the first channel that has one on both sides.
     #[default]
     Arrival,
-    /// The shift with the least squared residuals over all channels, each in units of its simulated trace.
+    /// The shift with the least squared residuals over all channels, each in units of its simulated
+    /// trace.
     LeastSquares,
 }
 
@@ -58,7 +61,8 @@ pub struct Comparison {
     pub align: &'static str,
     /// How much later all simulated traces were put (s).
     pub shift_s: f64,
-    /// Standard uncertainty of the shift as the time between both triggers, each known to a sample interval; none for least squares (s).
+    /// Standard uncertainty of the shift as the time between both triggers, each known to a sample
+    /// interval; none for least squares (s).
     pub shift_u_s: Option<f64>,
     /// One a measured channel that has a partner.
     pub channels: Vec<ChannelScore>,
@@ -81,7 +85,8 @@ pub struct Compared {
     pub comparison: Comparison,
     /// Both traces of each channel on the measured one's axis (V).
     pub pairs: Vec<Pair>,
-    /// Zero of each channel's traces and standard deviation of one sample, measured and simulated; none without a pulse (V).
+    /// Zero of each channel's traces and standard deviation of one sample, measured and simulated;
+    /// none without a pulse (V).
     pub quiet: Vec<Option<[Uncertain; 2]>>,
 }
 

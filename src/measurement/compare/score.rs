@@ -16,9 +16,11 @@ pub struct ChannelScore {
     pub mapped_by: &'static str,
     /// How much later the simulated trace was put (s).
     pub shift_s: f64,
-    /// Measured over simulated, noise on both sides, its uncertainty from the residuals; not taken out.
+    /// Measured over simulated, noise on both sides, its uncertainty from the residuals; not taken
+    /// out.
     pub gain: Uncertain,
-    /// Relative standard uncertainty of the measuring channel's gain, from its data sheet; 0 for an exact scope (1).
+    /// Relative standard uncertainty of the measuring channel's gain, from its data sheet; 0 for an
+    /// exact scope (1).
     pub gain_u: f64,
     /// Offset: the measured trace where the simulated one is zero; not removed (V).
     pub offset_v: f64,
@@ -32,7 +34,8 @@ pub struct ChannelScore {
     pub arrival_measured_s: Option<Uncertain>,
     /// Arrival of the simulated trace after its own trigger, seconds.
     pub arrival_simulated_s: Option<Uncertain>,
-    /// Measured minus simulated arrival, half-rise, after the shift, without the shift's uncertainty, seconds.
+    /// Measured minus simulated arrival, half-rise, after the shift, without the shift's
+    /// uncertainty, seconds.
     pub arrival_error_s: Option<Uncertain>,
     /// Root mean square of measured minus simulated (V).
     pub rms: f64,

@@ -1,5 +1,5 @@
-//! Reads the levels of an ISF: a block of bytes, or numbers in words. Lengths that a file claims are held against
-//! what is there before anything is set aside for them.
+//! Reads the levels of an ISF: a block of bytes, or numbers in words. Lengths that a file claims
+//! are held against what is there before anything is set aside for them.
 
 use super::error::{IsfError, excerpt};
 use super::preamble::{self, PreambleText};
@@ -102,7 +102,8 @@ impl Encoding {
         range: std::ops::Range<usize>,
     ) -> Result<Vec<i16>, IsfError> {
         let (offset, block) = (range.start, bytes.get(range).unwrap_or_default());
-        // Counting from the lowest level instead of the centre flips the highest bit and nothing else.
+        // Counting from the lowest level instead of the centre flips the highest bit and nothing
+        // else.
         let (flip, wide_flip) = if self.positive { (0x80, 0x8000) } else { (0, 0) };
         if self.form == Form::OneByte {
             return Ok(block.iter().map(|b| i16::from((b ^ flip).cast_signed())).collect());

@@ -57,7 +57,8 @@ pub(super) struct PreambleText<'a> {
     pub(super) block: usize,
 }
 
-/// Largest number: instruments compute in single precision, and products of a few such numbers stay finite (unit).
+/// Largest number: instruments compute in single precision, and products of a few such numbers stay
+/// finite (unit).
 pub(super) const LARGEST: f64 = f32::MAX as f64;
 
 impl<'a> PreambleText<'a> {

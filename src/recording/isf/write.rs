@@ -1,5 +1,5 @@
-//! Writes a capture as an instrument of the TDS2000 family sends it: the 16 fields of `WFMPre?` in their order, with
-//! headers on, then the levels, signed, most significant byte first.
+//! Writes a capture as an instrument of the TDS2000 family sends it: the 16 fields of `WFMPre?` in
+//! their order, with headers on, then the levels, signed, most significant byte first.
 
 use super::error::IsfError;
 use crate::recording::Capture;
@@ -18,13 +18,15 @@ pub enum Width {
 /// Largest block whose length takes nine digits.
 const LARGEST_BLOCK: usize = 999_999_999;
 
-/// Numbers up to this can be scaled by the steps of two bytes; so can those down to its inverse (unit).
+/// Numbers up to this can be scaled by the steps of two bytes; so can those down to its inverse
+/// (unit).
 const MAX_SCALABLE_NUMBER: f64 = 1e300;
 
 /// Writes `capture`; levels that do not fit one byte take two whatever `width` says.
 ///
 /// # Errors
-/// [`IsfError::Unwritable`] for a number too large or too small to be scaled, a quote in a unit, or a record without points.
+/// [`IsfError::Unwritable`] for a number too large or too small to be scaled, a quote in a unit, or
+/// a record without points.
 pub fn write(capture: &Capture, width: Width) -> Result<Vec<u8>, IsfError> {
     let waveform = &capture.waveform;
     check(waveform)?;

@@ -1,8 +1,9 @@
-//! The container's records, read defensively: every length is checked against what is there before anything is
-//! allocated, and one bad chunk costs only itself.
+//! The container's records, read defensively: every length is checked against what is there before
+//! anything is allocated, and one bad chunk costs only itself.
 //!
-//! The container's own library allocates what a damaged file asks for and panics on attachments shorter than their
-//! checksum, so the few records that matter are taken apart here. Source: MCAP specification 0x00.
+//! The container's own library allocates what a damaged file asks for and panics on attachments
+//! shorter than their checksum, so the few records that matter are taken apart here. Source: MCAP
+//! specification 0x00.
 
 use std::collections::BTreeMap;
 
@@ -44,7 +45,8 @@ pub enum McapRecord<'a> {
     Attachment(String, String, &'a [u8]),
     /// Opcode 0x0C.
     Metadata(String, BTreeMap<String, String>),
-    /// Opcode 0x0F: checksum of everything before, 0 if there is none. The summary follows, which repeats what is known.
+    /// Opcode 0x0F: checksum of everything before, 0 if there is none. The summary follows, which
+    /// repeats what is known.
     DataEnd(u32),
     /// Everything else.
     Other,

@@ -1,7 +1,9 @@
-//! A recording with an index of its shots: the index is built chunk by chunk, and a shot is read on demand.
+//! A recording with an index of its shots: the index is built chunk by chunk, and a shot is read on
+//! demand.
 //!
-//! The file may be finished, cut, or still growing: [`IndexedRecording::read_on`] takes what is whole and comes back later for the rest. In
-//! memory are the places of the shots and what holds for all of them, never the shots.
+//! The file may be finished, cut, or still growing: [`IndexedRecording::read_on`] takes what is
+//! whole and comes back later for the rest. In memory are the places of the shots and what holds
+//! for all of them, never the shots.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
@@ -54,7 +56,8 @@ struct ByteRange {
     length: u64,
 }
 
-/// A part of the file with messages of the remote interface, and the times of its first and last one (ns since 1970).
+/// A part of the file with messages of the remote interface, and the times of its first and last
+/// one (ns since 1970).
 #[derive(Debug, Clone, Copy)]
 struct LineRange {
     first_ns: u64,
@@ -195,7 +198,8 @@ impl IndexedRecording {
         self.end
     }
 
-    /// How many shots were found so far. The last one counts when nothing follows it: until then it may not be whole.
+    /// How many shots were found so far. The last one counts when nothing follows it: until then it
+    /// may not be whole.
     pub fn shots(&self) -> usize {
         let unfinished = usize::from(self.end == ReadState::More);
         self.shots.len().saturating_sub(unfinished)
@@ -206,12 +210,14 @@ impl IndexedRecording {
         self.known.get(&number).copied()
     }
 
-    /// Of how many pieces of the file the shot at `place` is made so far; more may come as long as the file grows.
+    /// Of how many pieces of the file the shot at `place` is made so far; more may come as long as
+    /// the file grows.
     pub fn pieces(&self, place: usize) -> usize {
         self.shots.get(place).map_or(0, |(_, stretches)| stretches.len())
     }
 
-    /// Parts of the file found so far with messages of the remote interface around the shot at `place`.
+    /// Parts of the file found so far with messages of the remote interface around the shot at
+    /// `place`.
     pub fn line_pieces(&self, place: usize) -> usize {
         self.line_ranges(place).count()
     }
@@ -229,7 +235,8 @@ impl IndexedRecording {
         (before.map_or(0, |at| at + 1), time(place + 1).unwrap_or(u64::MAX))
     }
 
-    /// Reads the messages of the remote interface from the shot before the one at `place` to the shot after it, in order; of many the nearest.
+    /// Reads the messages of the remote interface from the shot before the one at `place` to the
+    /// shot after it, in order; of many the nearest.
     ///
     /// # Errors
     /// [`ReadError::File`] where the file cannot be read any more.
@@ -264,7 +271,8 @@ impl IndexedRecording {
         &self.traffic
     }
 
-    /// Reads the shot at `place`, counted from 0, with what is kept of it beside captures and truth; none where there is none.
+    /// Reads the shot at `place`, counted from 0, with what is kept of it beside captures and
+    /// truth; none where there is none.
     ///
     /// # Errors
     /// [`ReadError::File`] where the file cannot be read any more.
@@ -311,16 +319,19 @@ impl Reader {
         }
     }
 
-    /// Numbers of the shots of which something was found since the last call; their data are dropped.
+    /// Numbers of the shots of which something was found since the last call; their data are
+    /// dropped.
     fn forget_shots(&mut self) -> Vec<u32> {
         let mut numbers: BTreeSet<u32> = std::mem::take(&mut self.shots).into_keys().collect();
-        // What is kept beside a shot may stand in a later chunk than the shot; what stands before the first belongs to none.
+        // What is kept beside a shot may stand in a later chunk than the shot; what stands before
+        // the first belongs to none.
         numbers
             .extend(std::mem::take(&mut self.set.notes).into_keys().filter(|number| *number > 0));
         numbers.into_iter().collect()
     }
 
-    /// Lines of the remote interface since the last call. They are dropped, and so are old lines of the log.
+    /// Lines of the remote interface since the last call. They are dropped, and so are old lines of
+    /// the log.
     fn forget_traffic(&mut self) -> Vec<ScpiLine> {
         let log = &mut self.set.log;
         if log.len() >= 2 * LOG_LINES {

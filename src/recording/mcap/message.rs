@@ -1,13 +1,13 @@
 //! The protobuf messages of a recording.
 //!
-//! Field numbers are an interface: they never change meaning. `tests/it/recordings/descriptors.rs` checks that the
-//! structures and the descriptors of `schema.rs` agree.
+//! Field numbers are an interface: they never change meaning. `tests/it/recordings/descriptors.rs`
+//! checks that the structures and the descriptors of `schema.rs` agree.
 
 use prost::Message;
 use prost_types::Timestamp;
 
-/// One channel's record of one trigger. Numbers that an instrument may give as -0 are optional: a plain number that
-/// equals 0 is left out of a message, and its sign with it.
+/// One channel's record of one trigger. Numbers that an instrument may give as -0 are optional: a
+/// plain number that equals 0 is left out of a message, and its sign with it.
 #[derive(Clone, PartialEq, Message)]
 pub struct CaptureMessage {
     /// Time of the trigger.
@@ -37,7 +37,8 @@ pub struct CaptureMessage {
     /// Unit of the ordinate.
     #[prost(string, tag = "9")]
     pub unit: String,
-    /// Digitiser levels: one signed byte each, or two (most significant first) where one does not suffice.
+    /// Digitiser levels: one signed byte each, or two (most significant first) where one does not
+    /// suffice.
     #[prost(bytes = "vec", tag = "10")]
     pub codes: Vec<u8>,
     /// The same in volts, for readers that do not want to know about levels.

@@ -26,7 +26,8 @@ const MAX_EXPANSION: u64 = 100;
 /// Reads `file`.
 ///
 /// # Errors
-/// [`ReadError`] when nothing can be had from it; lesser damage is listed in [`TraceSet::problems`].
+/// [`ReadError`] when nothing can be had from it; lesser damage is listed in
+/// [`TraceSet::problems`].
 pub fn read(file: &Path) -> Result<TraceSet, ReadError> {
     let path = || file.to_owned();
     let failed = |source| ReadError::File { file: path(), source };
@@ -175,7 +176,8 @@ impl Reader {
         left.is_some()
     }
 
-    /// Whether there is room for the objects of a record; its bytes are counted where they are unpacked.
+    /// Whether there is room for the objects of a record; its bytes are counted where they are
+    /// unpacked.
     fn has_room(&mut self, record: &McapRecord<'_>) -> bool {
         let objects = match record {
             McapRecord::Schema(..) => 1,

@@ -1,4 +1,5 @@
-//! The descriptors by which other readers decode the messages of a recording, made from `hertzscope.proto` and `foxglove.proto`.
+//! The descriptors by which other readers decode the messages of a recording, made from
+//! `hertzscope.proto` and `foxglove.proto`.
 
 use prost::Message as _;
 use prost_types::field_descriptor_proto::{Label, Type};

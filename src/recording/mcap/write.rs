@@ -1,4 +1,5 @@
-//! Writes recordings so that an abort loses nothing already triggered, and the same seed gives the same bytes.
+//! Writes recordings so that an abort loses nothing already triggered, and the same seed gives the
+//! same bytes.
 
 use super::message::ShotNotes;
 use std::collections::BTreeMap;
@@ -52,7 +53,8 @@ pub struct RecordingWriter {
 }
 
 impl RecordingWriter {
-    /// Begins a recording that replaces `file` when it is finished, with the facts that hold for all of it.
+    /// Begins a recording that replaces `file` when it is finished, with the facts that hold for
+    /// all of it.
     ///
     /// # Errors
     /// [`WriteError`] where the file cannot be written.
@@ -65,7 +67,8 @@ impl RecordingWriter {
         Self::begin(file, new.map(|new| Box::new(new) as Box<dyn Output>), metadata, attachments)
     }
 
-    /// Begins a recording that is called `file` or, if that exists when it is finished, by the next free number.
+    /// Begins a recording that is called `file` or, if that exists when it is finished, by the next
+    /// free number.
     ///
     /// # Errors
     /// [`WriteError`] where the file cannot be written.
@@ -78,7 +81,8 @@ impl RecordingWriter {
         Self::begin(file, new.map(|new| Box::new(new) as Box<dyn Output>), metadata, attachments)
     }
 
-    /// Begins a recording that others can read while it grows: `file` or, if that exists, the next free number.
+    /// Begins a recording that others can read while it grows: `file` or, if that exists, the next
+    /// free number.
     ///
     /// # Errors
     /// [`WriteError`] where the file cannot be written.
@@ -229,7 +233,8 @@ impl RecordingWriter {
         &self.file
     }
 
-    /// Writes the summary section and waits until the disk has all of it. Returns the recording's name.
+    /// Writes the summary section and waits until the disk has all of it. Returns the recording's
+    /// name.
     ///
     /// # Errors
     /// [`WriteError`] where the file cannot be written.
@@ -284,7 +289,8 @@ pub fn write(file: &Path, set: &TraceSet) -> Result<(), WriteError> {
     write_set(RecordingWriter::create(file, &set.metadata, &set.attachments)?, set).map(|_| ())
 }
 
-/// Writes a whole set to `file` or, if that exists, to the next free number. Returns the recording's name.
+/// Writes a whole set to `file` or, if that exists, to the next free number. Returns the
+/// recording's name.
 ///
 /// # Errors
 /// [`WriteError`] where the file cannot be written.

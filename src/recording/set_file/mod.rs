@@ -1,12 +1,15 @@
-//! Reads and writes `.SET` files: the front panel at the time of a save, as the instrument's answer to `SET?`.
+//! Reads and writes `.SET` files: the front panel at the time of a save, as the instrument's answer
+//! to `SET?`.
 //!
-//! A folder `ALLnnnn` holds one beside its `.CSV` files. [`SetFile::complete`] takes from it what those do not tell
-//! (coupling, bandwidth limit, inversion) and notes where the two disagree: of 308 published pairs 6 do, three
-//! saved in scan mode, three after the time base was turned on a stopped instrument.
+//! A folder `ALLnnnn` holds one beside its `.CSV` files. [`SetFile::complete`] takes from it what
+//! those do not tell (coupling, bandwidth limit, inversion) and notes where the two disagree: of
+//! 308 published pairs 6 do, three saved in scan mode, three after the time base was turned on a
+//! stopped instrument.
 //!
 //! # Sources
-//! Tektronix programmer manual 071-1075, `SET?`; the project's fact sheet on the TDS2000 family, section 2.7, with
-//! files of two firmwares. `trigger point = 1250 - horizontal position / sample interval`.
+//! Tektronix programmer manual 071-1075, `SET?`; the project's fact sheet on the TDS2000 family,
+//! section 2.7, with files of two firmwares.
+//! `trigger point = 1250 - horizontal position / sample interval`.
 
 use std::fmt::Write as _;
 
@@ -81,8 +84,9 @@ impl SetFile {
         Ok(Self { settings })
     }
 
-    /// The settings as the instrument writes them: a header leaves out the path that it shares with all of the one before,
-    /// and begins at the root where it does not. What an instrument of the family saved comes back byte for byte.
+    /// The settings as the instrument writes them: a header leaves out the path that it shares with
+    /// all of the one before, and begins at the root where it does not. What an instrument of the
+    /// family saved comes back byte for byte.
     pub fn write(&self) -> String {
         let mut text = String::new();
         let mut stem: Option<String> = None;
@@ -182,8 +186,8 @@ impl SetFile {
         self.is_on(&format!("SELECT:{name}"))
     }
 
-    /// Fills in what a channel's file does not tell, and notes what disagrees with it. Other traces have no settings
-    /// of their own; of those only the selection is compared.
+    /// Fills in what a channel's file does not tell, and notes what disagrees with it. Other traces
+    /// have no settings of their own; of those only the selection is compared.
     pub fn complete(&self, capture: &mut Capture) {
         let source = capture.waveform.source;
         if self.is_selected(source) == Some(false) {
@@ -206,7 +210,8 @@ impl SetFile {
             .horizontal_position()
             .map(|at| SCREEN_CENTRE_POINT - at / waveform.preamble.x_incr);
         let printed = |value: f64| PRINTING_TOLERANCE * value.abs();
-        // The file's scale and offset are rounded; half a level is less than the panel can be turned.
+        // The file's scale and offset are rounded; half a level is less than the panel can be
+        // turned.
         let level = 0.5 / LEVELS_PER_DIVISION;
         let point = 0.5;
         [

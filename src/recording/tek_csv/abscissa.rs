@@ -1,13 +1,13 @@
-//! The column of times or frequencies, and the interval behind it. Reader and writer share it. Equations
-//! and sources: the module above.
+//! The column of times or frequencies, and the interval behind it. Reader and writer share it.
+//! Equations and sources: the module above.
 
 use super::layout::{self, Domain, HeaderLayout};
 
 /// The interval that a header's `Sample Interval` stands for (s; Hz for an FFT).
 ///
 /// The time domain's intervals have few digits and are printed in full. An FFT's follow from the
-/// sampling rate and are cut to seven digits; this finds the rate whose interval prints like `text`.
-/// Falls back on `printed` where no rate does.
+/// sampling rate and are cut to seven digits; this finds the rate whose interval prints like
+/// `text`. Falls back on `printed` where no rate does.
 pub(super) fn exact_interval(domain: Domain, printed: f64, text: &str) -> f64 {
     match domain {
         Domain::Time => printed,
@@ -21,8 +21,8 @@ pub(super) fn exact_interval(domain: Domain, printed: f64, text: &str) -> f64 {
 
 /// Distance of two FFT bins (Hz) at 250 points a division taken at `rate` (S/s).
 ///
-/// `rate/2048`, and 100/99 of it at 250 µs/div and slower. Source: 56 published files, the project's
-/// fact sheet on the TDS2000 family, section 1.1.
+/// `rate/2048`, and 100/99 of it at 250 µs/div and slower. Source: 56 published files, the
+/// project's fact sheet on the TDS2000 family, section 1.1.
 fn bin_spacing(rate: f64) -> f64 {
     let slow = if rate <= 1e6 { 100.0 / 99.0 } else { 1.0 };
     rate * slow / 2048.0

@@ -1,7 +1,9 @@
-//! Splits a CSV file into rows and cells: whatever separator, decimal mark, quotes and line ends a program put there.
-//! Comes before the readers of the foreign dialects; the native reader splits its rows with the same [`RowFields`].
+//! Splits a CSV file into rows and cells: whatever separator, decimal mark, quotes and line ends a
+//! program put there. Comes before the readers of the foreign dialects; the native reader splits
+//! its rows with the same [`RowFields`].
 //!
-//! A number is kept with the digits it was printed with, because they bound how far it may lie from the true one.
+//! A number is kept with the digits it was printed with, because they bound how far it may lie from
+//! the true one.
 
 use std::borrow::Cow;
 
@@ -169,8 +171,9 @@ impl<'a> Cells<'a> {
     }
 }
 
-/// What stands between cells: the mark that splits most of the sampled rows into numbers; a space stands for any run of
-/// blanks. Without numbers, a semicolon or a tab where there is one in the first rows, else a comma.
+/// What stands between cells: the mark that splits most of the sampled rows into numbers; a space
+/// stands for any run of blanks. Without numbers, a semicolon or a tab where there is one in the
+/// first rows, else a comma.
 fn separator(lines: &[&str]) -> char {
     let filled = lines.iter().rev().filter(|line| !line.trim().is_empty()).take(SAMPLED_ROWS);
     // Rows of nothing but numbers count twice.

@@ -1,14 +1,16 @@
-//! A column of printed numbers, and how far each may lie from the true one. Shared by `times` and `levels`.
+//! A column of printed numbers, and how far each may lie from the true one. Shared by `times` and
+//! `levels`.
 //!
-//! A program prints either a fixed number of decimals or a fixed number of digits, and may drop zeros at the
-//! end. The longest number of the column tells how many; the larger of the two errors bounds the true one:
-//! `max(10^-D / 2, 10^(m + 1 - S) / 2)` with the most decimals `D` and the most digits `S` of the column
-//! and the number's magnitude `m = floor(log10 |v|)`.
+//! A program prints either a fixed number of decimals or a fixed number of digits, and may drop
+//! zeros at the end. The longest number of the column tells how many; the larger of the two errors
+//! bounds the true one: `max(10^-D / 2, 10^(m + 1 - S) / 2)` with the most decimals `D` and the
+//! most digits `S` of the column and the number's magnitude `m = floor(log10 |v|)`.
 
 use super::cells::{Cells, PrintedNumber};
 use super::error::{FileLocation, TekCsvError};
 
-/// Digits of single precision that can be relied on; numbers that went through it are printed with more.
+/// Digits of single precision that can be relied on; numbers that went through it are printed with
+/// more.
 pub(super) const SINGLE_PRECISION_DIGITS: i32 = 6;
 /// Digits beyond which double precision is the limit.
 const MAX_DIGITS: i32 = 15;
@@ -23,7 +25,8 @@ pub(super) struct SampleColumn {
     spots: Vec<(u32, u32)>,
     decimals: i32,
     digits: i32,
-    /// What the unit is larger than the printed one beside powers of ten: 60 for minutes; 0 stands for 1.
+    /// What the unit is larger than the printed one beside powers of ten: 60 for minutes; 0 stands
+    /// for 1.
     factor: f64,
     /// Whether a number was printed with a decimal point.
     fractions: bool,
@@ -116,8 +119,9 @@ impl SampleColumn {
         fixed.max(floating) * (1.0 + 1e-6) + 4.0 * f64::EPSILON * value.abs()
     }
 
-    /// How many last digits make up `step`, if multiples of it are printed without rounding: a fixed number of
-    /// decimals, in which also the largest value has all of them, and a step that is a whole number of last digits.
+    /// How many last digits make up `step`, if multiples of it are printed without rounding: a
+    /// fixed number of decimals, in which also the largest value has all of them, and a step that
+    /// is a whole number of last digits.
     pub(super) fn digits_of(&self, step: f64) -> Option<f64> {
         let (low, high) = self.range();
         let largest = low.abs().max(high.abs()).max(f64::MIN_POSITIVE);

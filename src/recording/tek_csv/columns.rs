@@ -30,7 +30,8 @@ impl TableColumns {
         self.columns.is_empty()
     }
 
-    /// Labels that are no channels' names, with the sources of the `captures` that these columns became.
+    /// Labels that are no channels' names, with the sources of the `captures` that these columns
+    /// became.
     pub fn labels(&self, captures: &[Capture]) -> Vec<(Source, String)> {
         let values = self.sources().into_iter().zip(captures);
         let labelled = values.filter(|((_, source), _)| source.is_none());
@@ -43,7 +44,8 @@ impl TableColumns {
         label.eq_ignore_ascii_case("time") || label.eq_ignore_ascii_case("t")
     }
 
-    /// The channel of each column of values, in the order typed: by its name, or the first that is free.
+    /// The channel of each column of values, in the order typed: by its name, or the first that is
+    /// free.
     pub(super) fn sources(&self) -> Vec<(&GivenColumn, Option<Source>)> {
         let values = self.columns.iter().filter(|column| !Self::is_time(&column.label));
         values.map(|column| (column, names::source(&column.label))).collect()

@@ -1,5 +1,5 @@
-//! Tells apart the CSV dialects that go by the name of Tektronix, before a reader starts. Source: the
-//! project's fact sheet on the TDS2000 family, section 4.3.
+//! Tells apart the CSV dialects that go by the name of Tektronix, before a reader starts. Source:
+//! the project's fact sheet on the TDS2000 family, section 4.3.
 
 use super::dialect::Dialect;
 
@@ -37,7 +37,8 @@ pub(super) fn rows_above(table: &CsvRows<'_>) -> Option<usize> {
     (0..=ROWS_ABOVE).find(|index| table.row(*index).text(0) == RECORD_LENGTH)
 }
 
-/// Whether the first row of a native file lost its last comma or its digits, or has other separators.
+/// Whether the first row of a native file lost its last comma or its digits, or has other
+/// separators.
 fn changed(table: &CsvRows<'_>, head: &Cells<'_>) -> bool {
     let digits = head.text(1);
     let shortened = head.maybe_number(1).is_some_and(|n| n.decimals != native_decimals(digits));

@@ -1,5 +1,5 @@
-//! Reads the header rows of a native CSV file: every key in its place, every number as the instrument
-//! prints it. Comes before the samples in `read`; keys and rules are in `layout`.
+//! Reads the header rows of a native CSV file: every key in its place, every number as the
+//! instrument prints it. Comes before the samples in `read`; keys and rules are in `layout`.
 
 use super::abscissa;
 use super::cells::RowFields;

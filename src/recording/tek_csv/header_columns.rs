@@ -1,14 +1,17 @@
-//! Reads what stands beside the samples in the first rows: keys, values and unit words. `OpenChoice` repeats this
-//! for each channel; spreadsheets and people leave it, with other digits, one or a few rows lower.
+//! Reads what stands beside the samples in the first rows: keys, values and unit words.
+//! `OpenChoice` repeats this for each channel; spreadsheets and people leave it, with other digits,
+//! one or a few rows lower.
 //!
-//! The keys are found by name, wherever they stand in their column. A row whose time and value are no numbers is
-//! passed over while no sample has been seen, and refused later.
+//! The keys are found by name, wherever they stand in their column. A row whose time and value are
+//! no numbers is passed over while no sample has been seen, and refused later.
 //!
-//! Reads a file that the desktop program `OpenChoice` saved: channels side by side, unit words in the third column,
-//! and numbers that went through single precision: `19.9999996E-3` means 20 mV. They are taken to six digits.
+//! Reads a file that the desktop program `OpenChoice` saved: channels side by side, unit words in
+//! the third column, and numbers that went through single precision: `19.9999996E-3` means 20 mV.
+//! They are taken to six digits.
 //!
-//! Other than in a native file, the zero level stands in `Yzero` (V), and `Vertical Offset` is 0. The instrument
-//! stands in `Note`, as `TDS 1002B - <time of day> <date>`; its firmware is not told.
+//! Other than in a native file, the zero level stands in `Yzero` (V), and `Vertical Offset` is 0.
+//! The instrument stands in `Note`, as `TDS 1002B - <time of day> <date>`; its firmware is not
+//! told.
 
 use super::cells::CsvRows;
 use super::column::{SINGLE_PRECISION_DIGITS, SampleColumn, rounded};
@@ -45,7 +48,8 @@ pub(super) fn blocks<'a, 't>(table: &'t CsvRows<'a>) -> Vec<Block<'a, 't>> {
 }
 
 impl<'a> Block<'a, '_> {
-    /// The text beside `key`, with the row and cell where it stands; `None` where there is no such key.
+    /// The text beside `key`, with the row and cell where it stands; `None` where there is no such
+    /// key.
     pub(super) fn text(&self, key: &str) -> Option<(&'a str, usize)> {
         let rows = self.head..self.table.len().min(self.head + HEADER_ROWS);
         let mut found = rows.filter(|index| self.table.row(*index).text(self.column) == key);

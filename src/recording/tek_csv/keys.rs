@@ -1,5 +1,5 @@
-//! Keys and values that an instrument writes above the columns of a table: one value, one for each channel, or the whole list
-//! again for a table to the right.
+//! Keys and values that an instrument writes above the columns of a table: one value, one for each
+//! channel, or the whole list again for a table to the right.
 
 use super::cells::CsvRows;
 use super::error::{TekCsvError, excerpt};

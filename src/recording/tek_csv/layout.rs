@@ -20,7 +20,8 @@ pub(super) const PRINTING_ERROR: f64 = 5e-7;
 /// Slack for the round-off of a few operations in double precision, relative.
 pub(super) const ROUND_OFF: f64 = 1e-9;
 
-/// How a capture's note begins that keeps another spelling of its source: `FFT` of the TBS1000B-EDU, `REF1` of the TDS2024C.
+/// How a capture's note begins that keeps another spelling of its source: `FFT` of the
+/// TBS1000B-EDU, `REF1` of the TDS2024C.
 const SPELLING: &str = "the file calls this trace ";
 
 /// The note that keeps `text`, the file's own spelling of `source`; none for the usual one.
@@ -49,7 +50,8 @@ pub(super) fn source_of(text: &str) -> Option<Source> {
     }
 }
 
-/// A number as a header prints it: a spectrum's are rounded half up, as 4882.8125 Hz, `4.882813e+03`, shows.
+/// A number as a header prints it: a spectrum's are rounded half up, as 4882.8125 Hz,
+/// `4.882813e+03`, shows.
 pub(super) fn printed(value: f64, domain: Domain) -> String {
     let value = if domain == Domain::Frequency && value > 0.0 { value.next_up() } else { value };
     c_exponential(value, DECIMALS)
@@ -163,8 +165,8 @@ impl Domain {
         }
     }
 
-    /// How far a printed ordinate may lie from its level (V; dB for an FFT): half the last digit, and
-    /// for decibels as much again because the printed `Yzero` is itself rounded.
+    /// How far a printed ordinate may lie from its level (V; dB for an FFT): half the last digit,
+    /// and for decibels as much again because the printed `Yzero` is itself rounded.
     pub(super) fn ordinate_tolerance(self, ordinate: f64) -> f64 {
         let digits = match self {
             Self::Time => 0.5,

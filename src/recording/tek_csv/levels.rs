@@ -1,14 +1,16 @@
-//! Finds the digitiser levels behind a printed column of voltages. In this order, the first that explains every
-//! value within its printed digits:
+//! Finds the digitiser levels behind a printed column of voltages. In this order, the first that
+//! explains every value within its printed digits:
 //!
 //! 1. the grid that the header's scale gives, one level = V/div / 25 (10 dB/div: 0.4 dB);
 //! 2. an even grid that the values themselves show by the gaps between them;
-//! 3. the grid of the last printed digit: the file exactly as printed, if that takes no more than 16 bits;
+//! 3. the grid of the last printed digit: the file exactly as printed, if that takes no more than
+//!    16 bits;
 //! 4. a grid of 16 bits over the range, with the largest error in a note.
 //!
-//! Only 1 and 2 are levels of a converter. Values are never forced onto a grid that misses them: rounding of
-//! more than a quarter of a level leaves more than one level possible, and rules a grid out, unless a level is a
-//! whole number of last digits: then nothing was rounded (0.02 V at 0.5 V/div and two decimals).
+//! Only 1 and 2 are levels of a converter. Values are never forced onto a grid that misses them:
+//! rounding of more than a quarter of a level leaves more than one level possible, and rules a grid
+//! out, unless a level is a whole number of last digits: then nothing was rounded (0.02 V at 0.5
+//! V/div and two decimals).
 
 use super::column::{SampleColumn, one_two_five, ten_to};
 use crate::scope::waveform::LEVELS_PER_DIVISION;
@@ -17,7 +19,8 @@ use crate::scope::waveform::LEVELS_PER_DIVISION;
 const MAX_LEVELS: f64 = 65_000.0;
 /// How much of a level the printed digits may leave open.
 const DIGIT_TOLERANCE: f64 = 0.25;
-/// The same for a first guess, which `on_grid` judges: half a last digit of a level of two is just a quarter.
+/// The same for a first guess, which `on_grid` judges: half a last digit of a level of two is just
+/// a quarter.
 const GUESS_TOLERANCE: f64 = 0.3;
 /// Rounding error of a level, as a share of it.
 const LEVEL_ROUND_OFF: f64 = 1e-6;
@@ -137,7 +140,8 @@ fn refined(gaps: &[f64], guess: f64, tolerance: f64) -> Option<f64> {
     for gap in gaps {
         levels += (gap / step).round();
         sum += gap;
-        // Short gaps carry the rounding of two values; the longer the way, the better the step is known.
+        // Short gaps carry the rounding of two values; the longer the way, the better the step is
+        // known.
         if sum > 64.0 * guess {
             step = sum / levels;
         }

@@ -1,7 +1,9 @@
-//! What the name of a column says: its unit, and whether it holds times, numbers of rows, or a channel's values.
+//! What the name of a column says: its unit, and whether it holds times, numbers of rows, or a
+//! channel's values.
 //!
-//! A unit stands in brackets (`Time (ms)`, `CH2[V]`), behind `in`, a slash or an underline (`in s`, `U/V`, `time_s`), in a row of
-//! its own, or is the name itself (`second`, `Volt`). Prefixes from nano to mega are taken into account.
+//! A unit stands in brackets (`Time (ms)`, `CH2[V]`), behind `in`, a slash or an underline (`in s`,
+//! `U/V`, `time_s`), in a row of its own, or is the name itself (`second`, `Volt`). Prefixes from
+//! nano to mega are taken into account.
 
 use crate::scope::Source;
 
@@ -311,7 +313,8 @@ fn role(base: &str) -> ColumnRole {
     ColumnRole::Values(None)
 }
 
-/// The channel that a name in small letters is: `ch3`, `channel 3`, `c3`, `channel c`, `3`, `v3`, `math`, `refa`, `ref1`.
+/// The channel that a name in small letters is: `ch3`, `channel 3`, `c3`, `channel c`, `3`, `v3`,
+/// `math`, `refa`, `ref1`.
 fn channel(base: &str) -> Option<Source> {
     const WORDS: [&str; 14] = [
         "channel", "chan", "ch", "kanal", "canal", "voie", "c", "", "voltage", "volts", "volt",

@@ -1,6 +1,6 @@
-//! Reads a native CSV file into a capture: header first, then the digitiser level behind every printed
-//! value. Nothing is repaired: what disagrees is an error with its line and column. Equations and
-//! sources: the module above.
+//! Reads a native CSV file into a capture: header first, then the digitiser level behind every
+//! printed value. Nothing is repaired: what disagrees is an error with its line and column.
+//! Equations and sources: the module above.
 
 use super::abscissa::Abscissa;
 use super::cells::CsvRows;
@@ -17,7 +17,8 @@ use crate::recording::Capture;
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 use crate::scope::{Preamble, VerticalSetup, Waveform};
 
-/// Larger files are refused unread; the family's own have less than 100 000 bytes, two million rows of two channels less than this.
+/// Larger files are refused unread; the family's own have less than 100 000 bytes, two million rows
+/// of two channels less than this.
 pub const MAXIMUM_BYTES: usize = 64 << 20;
 
 /// Field of the time or frequency in a row.
@@ -28,8 +29,8 @@ const ORDINATE: usize = 4;
 /// Reads the `bytes` of a native CSV file; `file_name` is for messages.
 ///
 /// # Errors
-/// [`TekCsvError`] when the file is too large, empty, no text, of another dialect, or when any field
-/// of it disagrees with the format or with the file's own header.
+/// [`TekCsvError`] when the file is too large, empty, no text, of another dialect, or when any
+/// field of it disagrees with the format or with the file's own header.
 pub fn read(bytes: &[u8], file_name: &str) -> Result<Capture, TekCsvError> {
     let text = checked_text(bytes, file_name)?;
     if let Some(dialect) = detection::foreign(&CsvRows::new(file_name, text)?) {
@@ -43,17 +44,18 @@ pub fn read(bytes: &[u8], file_name: &str) -> Result<Capture, TekCsvError> {
     native(text, file_name)
 }
 
-/// Reads the `bytes` of a CSV file of any [`Dialect`] or of none; one capture for each channel in it. What had to
-/// be guessed stands in their notes.
+/// Reads the `bytes` of a CSV file of any [`Dialect`] or of none; one capture for each channel in
+/// it. What had to be guessed stands in their notes.
 ///
 /// # Errors
-/// As [`read`], and for other dialects [`TekCsvError`] when a number is none, the times are not even, or it cannot be told which
-/// column holds what.
+/// As [`read`], and for other dialects [`TekCsvError`] when a number is none, the times are not
+/// even, or it cannot be told which column holds what.
 pub fn read_all(bytes: &[u8], file_name: &str) -> Result<Vec<Capture>, TekCsvError> {
     read_columns(bytes, file_name, &TableColumns::default())
 }
 
-/// The same for a table whose columns the user names; [`TableColumns::default`] leaves them to the file.
+/// The same for a table whose columns the user names; [`TableColumns::default`] leaves them to the
+/// file.
 ///
 /// # Errors
 /// As [`read_all`].
@@ -232,8 +234,8 @@ fn number(row: &HeaderRow, index: usize) -> Result<f64, TekCsvError> {
     })
 }
 
-/// The level of zero volts: a whole number where the printed offset allows one, since the family moves
-/// a trace in steps of one level.
+/// The level of zero volts: a whole number where the printed offset allows one, since the family
+/// moves a trace in steps of one level.
 fn zero_level(numbers: &Numbers) -> f64 {
     let levels = numbers.offset / numbers.level();
     let whole = levels.round();

@@ -1,10 +1,12 @@
-//! Reads a table: a column of times and one column for each channel, below whatever an instrument, a program or a person
-//! wrote above them. Newer Tektronix models (`Model`, `TIME,CH1`), Keysight, Rigol, Siglent, R&S, Instek, `LeCroy`, `PicoScope`
-//! and Digilent save such tables, and so do pandas and spreadsheets.
+//! Reads a table: a column of times and one column for each channel, below whatever an instrument,
+//! a program or a person wrote above them. Newer Tektronix models (`Model`, `TIME,CH1`), Keysight,
+//! Rigol, Siglent, R&S, Instek, `LeCroy`, `PicoScope` and Digilent save such tables, and so do
+//! pandas and spreadsheets.
 //!
-//! The rows of samples are those in which the same cells hold numbers to the end of the file. Above them stand names, units, and
-//! keys with values. Where names do not tell which column holds times, values must: exactly one column may be evenly spaced.
-//! A column of times is never a channel; what cannot be told is refused, and `--columns` says it.
+//! The rows of samples are those in which the same cells hold numbers to the end of the file. Above
+//! them stand names, units, and keys with values. Where names do not tell which column holds times,
+//! values must: exactly one column may be evenly spaced. A column of times is never a channel; what
+//! cannot be told is refused, and `--columns` says it.
 
 use super::cells::CsvRows;
 use super::column::SampleColumn;
@@ -194,7 +196,8 @@ impl ColumnPlan {
         }
     }
 
-    /// Gives each channel a source of its own: by its name, else by a single column's file name, else the first that is free.
+    /// Gives each channel a source of its own: by its name, else by a single column's file name,
+    /// else the first that is free.
     fn allot_sources(&mut self, file: &str) {
         let own = Some(channel_in(file)).filter(|_| self.channels.len() == 1).flatten();
         let mut taken: Vec<Source> = Vec::new();

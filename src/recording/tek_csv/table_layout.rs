@@ -1,5 +1,5 @@
-//! Where a table's names, units and samples stand, and the columns of its samples. Comes before `table`, which finds out what they
-//! hold.
+//! Where a table's names, units and samples stand, and the columns of its samples. Comes before
+//! `table`, which finds out what they hold.
 
 use super::cells::{Cells, CsvRows};
 use super::column::SampleColumn;
@@ -15,7 +15,8 @@ pub(super) struct TableLayout {
     pub(super) first: usize,
     /// Cells with numbers in that row.
     pub(super) cells: Vec<usize>,
-    /// Start and increment of a table whose first column counts rows, or that has no column of times.
+    /// Start and increment of a table whose first column counts rows, or that has no column of
+    /// times.
     pub(super) even: Option<(f64, f64)>,
 }
 
@@ -52,7 +53,8 @@ impl TableLayout {
         Ok(layout)
     }
 
-    /// Takes in the rows above that begin with a number: samples of which a cell is none, not names. Reading them names the cell.
+    /// Takes in the rows above that begin with a number: samples of which a cell is none, not
+    /// names. Reading them names the cell.
     fn include_broken_rows(&mut self, table: &CsvRows<'_>) {
         let cell = self.first_cell();
         let above = (0..self.first).rev().filter(|index| !table.row(*index).is_blank());
@@ -101,7 +103,8 @@ impl TableLayout {
         self.cells.first().copied().unwrap_or_default()
     }
 
-    /// Start and increment beside the names: `X,CH1,Start,Increment` above numbers, or `t0 = ...,tInc = ...`.
+    /// Start and increment beside the names: `X,CH1,Start,Increment` above numbers, or
+    /// `t0 = ...,tInc = ...`.
     fn find_even(&mut self, table: &CsvRows<'_>) {
         let Some(names) = self.names.map(|names| table.row(names)) else { return };
         let below = self.units.map(|units| table.row(units));
@@ -185,12 +188,14 @@ impl TableBody {
     }
 }
 
-/// Whether a whole number could be the part behind or before a decimal comma: all are, where commas had two duties.
+/// Whether a whole number could be the part behind or before a decimal comma: all are, where commas
+/// had two duties.
 fn looks_cut(text: &str) -> bool {
     !text.contains(['.', 'e', 'E', ','])
 }
 
-/// The error that a table is none of the known forms: the nearest one, what it lacks, and how to say what it is.
+/// The error that a table is none of the known forms: the nearest one, what it lacks, and how to
+/// say what it is.
 pub(super) fn unknown(table: &CsvRows<'_>, missing: &str) -> TekCsvError {
     let head = (0..table.len().min(8)).map(|index| table.row(index));
     let words: Vec<String> =

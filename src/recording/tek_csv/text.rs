@@ -1,5 +1,6 @@
-//! Turns the bytes of a table into text: UTF-8, UTF-16 with its byte order mark, else Latin-1 (Windows-1252 has the same
-//! letters in the places that matter here: degree sign, micro sign, umlauts).
+//! Turns the bytes of a table into text: UTF-8, UTF-16 with its byte order mark, else Latin-1
+//! (Windows-1252 has the same letters in the places that matter here: degree sign, micro sign,
+//! umlauts).
 
 use std::borrow::Cow;
 

@@ -1,11 +1,12 @@
-//! Finds the even spacing behind a printed column of times: sample interval and trigger point. What the
-//! header states is taken where the column agrees with it; else what the column tells, with a note; a column
-//! that no even spacing explains is refused.
+//! Finds the even spacing behind a printed column of times: sample interval and trigger point. What
+//! the header states is taken where the column agrees with it; else what the column tells, with a
+//! note; a column that no even spacing explains is refused.
 //!
-//! `time(i) = (i - trigger point) * interval`, `i` from 0. An interval explains the column if one start brings every row
-//! within the tolerance `d_i` of its printed digits: `max (t_i - d_i - i dt) <= min (t_i + d_i - i dt)`. The difference of the two sides
-//! is convex in `dt`: the intervals that explain the column lie between two ends, which cutting planes find (Kelley 1960,
-//! J. Soc. Ind. Appl. Math. 8, 703).
+//! `time(i) = (i - trigger point) * interval`, `i` from 0. An interval explains the column if one
+//! start brings every row within the tolerance `d_i` of its printed digits:
+//! `max (t_i - d_i - i dt) <= min (t_i + d_i - i dt)`. The difference of the two sides is convex in
+//! `dt`: the intervals that explain the column lie between two ends, which cutting planes find
+//! (Kelley 1960, J. Soc. Ind. Appl. Math. 8, 703).
 
 use super::column::{SampleColumn, rounded};
 use super::error::TekCsvError;
@@ -18,7 +19,8 @@ const MAX_TIME_DRIFT: f64 = 0.01;
 const TIME_ROUND_OFF: f64 = 1e-6;
 /// An interval that is known worse than this is told with its bounds (1).
 const TOLD_INTERVAL_WIDTH: f64 = 1e-3;
-/// A printed digit of more than this share of the interval cannot tell rounding from a missing row (1).
+/// A printed digit of more than this share of the interval cannot tell rounding from a missing row
+/// (1).
 const MAX_DIGIT_SHARE: f64 = 0.6;
 /// Cutting planes until the best interval is found; a few suffice.
 const MAX_CUTS: usize = 60;
@@ -144,7 +146,8 @@ impl<'a> Rows<'a> {
         let span = high - low;
         let step = (span / ((column.len().saturating_sub(1)) as f64)).abs();
         let round_off = 4.0 * f64::EPSILON * low.abs().max(high.abs());
-        // Programs add up times, and what should be zero comes out as -4.6E-11: with a fixed number of digits, not of decimals.
+        // Programs add up times, and what should be zero comes out as -4.6E-11: with a fixed number
+        // of digits, not of decimals.
         let (coarsest, finest) = (column.largest_tolerance(), column.tolerance(0.0));
         let drift = if coarsest > 1.5 * finest { coarsest.min(MAX_TIME_DRIFT * step) } else { 0.0 };
         let spare = round_off + drift + TIME_ROUND_OFF * step;
@@ -178,7 +181,8 @@ impl<'a> Rows<'a> {
         matches!(miss.excess.partial_cmp(&0.0), Some(order) if order.is_le()).then_some(miss.starts)
     }
 
-    /// The interval that misses the rows least, and the ends of those that explain all rows, if any does.
+    /// The interval that misses the rows least, and the ends of those that explain all rows, if any
+    /// does.
     fn intervals(&self) -> (f64, Option<(f64, f64)>) {
         let last = self.times.len().saturating_sub(1);
         let ends = |start: f64, end: f64| (end - start) / ((last.max(1)) as f64);
@@ -190,7 +194,8 @@ impl<'a> Rows<'a> {
         (best, range)
     }
 
-    /// The interval of least excess: the crossing of the steepest cuts from the left and from the right, again and again.
+    /// The interval of least excess: the crossing of the steepest cuts from the left and from the
+    /// right, again and again.
     fn least_miss(&self, guess: f64) -> f64 {
         let (mut left, mut right): (Option<Cut>, Option<Cut>) = (None, None);
         let (mut at, mut best) = (guess, (f64::INFINITY, guess));
@@ -248,7 +253,8 @@ impl<'a> Rows<'a> {
         outside
     }
 
-    /// The trigger point: the header's, a whole one, that of the first row as printed, or the middle of what is possible.
+    /// The trigger point: the header's, a whole one, that of the first row as printed, or the
+    /// middle of what is possible.
     fn trigger(&self, interval: f64, (low, high): (f64, f64), stated: StatedTimeBase) -> f64 {
         let first = self.times.first().copied().unwrap_or_default();
         let middle = 0.0 - f64::midpoint(low, high) / interval;
@@ -259,8 +265,9 @@ impl<'a> Rows<'a> {
         candidates.into_iter().flatten().find(fits).unwrap_or(middle)
     }
 
-    /// The first row whose step from the one before no rounding explains: rounded multiples of one interval have steps that differ by at
-    /// most one digit. Where a digit is more than [`MAX_DIGIT_SHARE`] of an interval, any difference may be a missing row.
+    /// The first row whose step from the one before no rounding explains: rounded multiples of one
+    /// interval have steps that differ by at most one digit. Where a digit is more than
+    /// [`MAX_DIGIT_SHARE`] of an interval, any difference may be a missing row.
     fn gap(&self, column: &SampleColumn) -> Option<usize> {
         if column.len() < 3 || column.largest_tolerance() > 1.5 * column.tolerance(0.0) {
             return None;
@@ -289,7 +296,8 @@ impl<'a> Rows<'a> {
             let expected = format!("more than {first:e}");
             return TekCsvError::Uneven { place: column.place(index), found, expected, unit };
         }
-        // The median of steps over half the record, and of what it leaves: single rows do not change them.
+        // The median of steps over half the record, and of what it leaves: single rows do not
+        // change them.
         let half = (self.times.len() / 2).max(1);
         let pairs = self.times.iter().zip(self.times.iter().skip(half));
         let interval = median(pairs.map(|(a, b)| (b - a) / half as f64).collect());
@@ -313,7 +321,8 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// The number with the fewest digits between `low` and `high`; where many digits lie between them, near `best`.
+/// The number with the fewest digits between `low` and `high`; where many digits lie between them,
+/// near `best`.
 fn simplest(low: f64, high: f64, best: f64) -> f64 {
     let coarse = high - low > TOLD_INTERVAL_WIDTH * best.abs();
     let middle = f64::midpoint(low, high);

@@ -1,5 +1,6 @@
-//! Turns the content of a foreign file into a capture: missing values are estimated, and each estimate is noted in the
-//! capture. The dialects' readers fill an [`UnscaledImport`]; `times` and `levels` estimate.
+//! Turns the content of a foreign file into a capture: missing values are estimated, and each
+//! estimate is noted in the capture. The dialects' readers fill an [`UnscaledImport`]; `times` and
+//! `levels` estimate.
 //!
 //! `volts = (code - y_off) y_mult + y_zero`, and in the time domain `y_zero = 0`.
 
@@ -14,7 +15,8 @@ use crate::scope::{PointFormat, Preamble, Source, VerticalSetup, Waveform};
 
 /// Points in one horizontal division of the family.
 const POINTS_PER_DIVISION: f64 = 250.0;
-/// A zero level that lies farther than this from a whole one did not come from the family's own steps (1).
+/// A zero level that lies farther than this from a whole one did not come from the family's own
+/// steps (1).
 const ZERO_LEVEL_TOLERANCE: f64 = 0.02;
 /// With fewer levels than this, their spacing is weak evidence.
 const MIN_LEVELS: usize = 8;

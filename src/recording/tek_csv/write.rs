@@ -18,9 +18,9 @@ const ROW_BYTES: usize = 72;
 /// serial number.
 ///
 /// # Errors
-/// [`TekCsvError::NoInstrument`] without an instrument; [`TekCsvError::Unwritable`] when a part of the
-/// capture contradicts another, such as `y_mult` the vertical scale, or has no place in the format,
-/// such as a comma in a serial number or a number with more digits than the header prints.
+/// [`TekCsvError::NoInstrument`] without an instrument; [`TekCsvError::Unwritable`] when a part of
+/// the capture contradicts another, such as `y_mult` the vertical scale, or has no place in the
+/// format, such as a comma in a serial number or a number with more digits than the header prints.
 pub fn write(capture: &Capture) -> Result<String, TekCsvError> {
     let waveform = &capture.waveform;
     let instrument = capture.instrument.as_ref().ok_or(TekCsvError::NoInstrument)?;
@@ -181,8 +181,8 @@ fn check_agreement(waveform: &Waveform, numbers: &Numbers) -> Result<(), TekCsvE
     Ok(())
 }
 
-/// The numbers as they will be read back, without the round-off of the program that computed them; refuses those
-/// that the header's digits would change by more.
+/// The numbers as they will be read back, without the round-off of the program that computed them;
+/// refuses those that the header's digits would change by more.
 fn as_printed(numbers: &Numbers, domain: Domain) -> Result<Numbers, TekCsvError> {
     let read = |value: f64, decimals| c_exponential(value, decimals).parse().unwrap_or(f64::NAN);
     let six = |what, value: f64| held(what, value, read(value, layout::DECIMALS));

@@ -10,7 +10,8 @@ use crate::trace::Trace;
 
 /// Highest frequency of the spectra that are shown (Hz).
 pub(super) const MAX_FREQUENCY: f64 = 20e3;
-/// How much of the record is shown near the end of a chain and on the bench, and far from its end (s).
+/// How much of the record is shown near the end of a chain and on the bench, and far from its end
+/// (s).
 const NEAR_SPAN: f64 = 2e-3;
 const FAR_SPAN: f64 = 12e-3;
 /// Where the inset of the far figures starts (s).

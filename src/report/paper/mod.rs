@@ -1,4 +1,5 @@
-//! The paper, computed: its figures as sheets, their data as CSV, the verdicts as a table and as a report.
+//! The paper, computed: its figures as sheets, their data as CSV, the verdicts as a table and as a
+//! report.
 
 mod data;
 mod figures;

@@ -23,7 +23,8 @@ fn printed(finding: &ClaimFinding) -> String {
     }
 }
 
-/// The paper's calculations, then its own measurements: claims that a calculation can hold against, and data.
+/// The paper's calculations, then its own measurements: claims that a calculation can hold against,
+/// and data.
 fn split(findings: &[ClaimFinding]) -> [Vec<&ClaimFinding>; 2] {
     let (measured, calculated) = findings.iter().partition(|finding| finding.measured);
     [calculated, measured]

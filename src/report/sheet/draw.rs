@@ -220,7 +220,8 @@ impl Drawing<'_> {
         );
     }
 
-    /// Names of lines and bands: above the frame where no title stands there, else in its upper right corner, on white.
+    /// Names of lines and bands: above the frame where no title stands there, else in its upper
+    /// right corner, on white.
     fn legend(&self, svg: &mut String) {
         let named = self.panel.lines.iter().filter(|line| !line.name.is_empty());
         let mut entries: Vec<(&str, String)> =
@@ -259,7 +260,8 @@ fn shade(share: f64) -> String {
     format!("rgb({red:.0},{green:.0},{blue:.0})")
 }
 
-/// The shades of a map with the values of both ends, above the upper right corner of a frame of width `w` (pixels).
+/// The shades of a map with the values of both ends, above the upper right corner of a frame of
+/// width `w` (pixels).
 fn colour_bar(svg: &mut String, w: f64, ends: &[String; 2]) {
     let left = w - CHARACTER_WIDTH * ends[1].chars().count() as f64 - COLOUR_BAR_WIDTH - 6.0;
     let step = COLOUR_BAR_WIDTH / f64::from(COLOUR_BAR_STEPS);
@@ -305,7 +307,8 @@ fn sample(line: &Polyline) -> String {
     }
 }
 
-/// Of all places within half a dot across the first, the highest, the lowest and the last: more cannot be seen.
+/// Of all places within half a dot across the first, the highest, the lowest and the last: more
+/// cannot be seen.
 fn thinned(places: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut kept = Vec::new();
     for group in places.chunk_by(|a, b| (2.0 * a.0).floor() >= (2.0 * b.0).floor()) {

@@ -11,7 +11,8 @@ const WITHOUT_PREFIX: [&str; 3] = ["", "dB", "rad"];
 /// Target number of intervals on an axis.
 const TARGET_INTERVALS: f64 = 6.0;
 
-/// Lines in colours that the colour-blind tell apart. Source: M. Okabe, K. Ito (2008), "Color Universal Design".
+/// Lines in colours that the colour-blind tell apart. Source: M. Okabe, K. Ito (2008), "Color
+/// Universal Design".
 pub const COLOURS: [&str; 7] =
     ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
 
@@ -42,7 +43,8 @@ impl Axis {
         Self { label: label.to_owned(), from, to, logarithmic: false, ticks }
     }
 
-    /// From `from` to `to` (unit) with the quantity `name`, round numbers in one unit, whose prefix fits the larger end.
+    /// From `from` to `to` (unit) with the quantity `name`, round numbers in one unit, whose prefix
+    /// fits the larger end.
     pub(super) fn prefixed(name: &str, unit: &str, (from, to): (f64, f64)) -> Self {
         let (scale, unit) = prefixed(from.abs().max(to.abs()), unit);
         let label = if unit.is_empty() { name.to_owned() } else { format!("{name} ({unit})") };
@@ -150,7 +152,8 @@ pub struct Sheet {
     pub note: String,
 }
 
-/// The unit with an SI prefix, such that `size` has one to three digits before the point, and what it stands for (unit).
+/// The unit with an SI prefix, such that `size` has one to three digits before the point, and what
+/// it stands for (unit).
 fn prefixed(size: f64, unit: &str) -> (f64, String) {
     let group = 3 * (size.log10() / 3.0).floor().clamp(-4.0, 4.0) as i32;
     if WITHOUT_PREFIX.contains(&unit) || size == 0.0 {

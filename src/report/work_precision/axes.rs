@@ -3,7 +3,8 @@
 use crate::quantity::engineering;
 use crate::studies::cost::{ChosenMethod, CostStudy, Point};
 
-/// Letters and colours of the methods, on paper and in a terminal (SGR codes): the same in every study.
+/// Letters and colours of the methods, on paper and in a terminal (SGR codes): the same in every
+/// study.
 pub(super) const MARKS: [MethodMark; 9] = [
     ("velocity-verlet", 'v', "#4477aa", 34),
     ("force-gradient", 'f', "#999933", 33),

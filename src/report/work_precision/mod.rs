@@ -1,4 +1,5 @@
-//! The work-precision study as text and picture: errors of first peaks and of arrivals against force evaluations, on logarithmic axes.
+//! The work-precision study as text and picture: errors of first peaks and of arrivals against
+//! force evaluations, on logarithmic axes.
 
 mod axes;
 mod picture;
@@ -20,7 +21,8 @@ const TERMINAL_PLOTS: usize = 2;
 const METHOD_LEGEND: &str = "failed: runs that ended in an error or lost a pulse; given up: runs that would take too many evaluations; uncorrected: without the \
     correction where contacts open and close, drawn in pictures only; errors below the reference's own, last line, are not resolved";
 
-/// The page that `cost` prints: what accuracy costs in time, then errors against `work`; in `colour` for a terminal.
+/// The page that `cost` prints: what accuracy costs in time, then errors against `work`; in
+/// `colour` for a terminal.
 pub fn work_precision(study: &CostStudy, work: WorkMeasure, colour: bool) -> String {
     let mut lines = vec![format!("{}: what accuracy costs in time", study.scene)];
     lines.extend(choices(study));
@@ -81,7 +83,8 @@ fn sources(study: &CostStudy) -> Vec<String> {
     all.into_iter().flat_map(lines).collect()
 }
 
-/// Accuracies that were not reached, those of which the reference cannot tell, and those whose traces are not known to half of the digits.
+/// Accuracies that were not reached, those of which the reference cannot tell, and those whose
+/// traces are not known to half of the digits.
 fn warnings(study: &CostStudy) -> Vec<String> {
     let own = study.reference.error;
     let named = |is: &dyn Fn(&ChosenMethod) -> bool| {

@@ -1,7 +1,8 @@
 //! The file of a sweep: which scene, which of its values are varied, and how.
 //!
-//! `[grid]` holds values of which every combination is run; `[random]` or `[latin_hypercube]` draws points between limits. With both, all
-//! points are run at each combination. Values stand at the paths that they have in the scene.
+//! `[grid]` holds values of which every combination is run; `[random]` or `[latin_hypercube]` draws
+//! points between limits. With both, all points are run at each combination. Values stand at the
+//! paths that they have in the scene.
 
 mod design;
 mod range;
@@ -72,7 +73,8 @@ impl Design {
         factors.chain(sampled.map(|(path, _)| path.as_str()))
     }
 
-    /// For each path the SI unit of its numbers; none where not all of its values are numbers of one kind.
+    /// For each path the SI unit of its numbers; none where not all of its values are numbers of
+    /// one kind.
     pub fn units(&self) -> Vec<Option<String>> {
         let factor = |factor: &Factor| {
             let mut numbers = factor.values.iter().map(|node| number(node).map(|(_, d)| d));

@@ -1,4 +1,5 @@
-//! Values and ranges of a sweep: `["0.3 m/s", "0.6 m/s"]`, `{ from = "1 N", to = "10 N", count = 5, spacing = "logarithmic" }`,
+//! Values and ranges of a sweep: `["0.3 m/s", "0.6 m/s"]`,
+//! `{ from = "1 N", to = "10 N", count = 5, spacing = "logarithmic" }`,
 //! `{ mean = "1.46 GPa", deviation = "5 %" }`.
 
 use crate::quantity::{Dimension, parse_any};
@@ -148,7 +149,8 @@ fn read(table: &TableReader<'_>, node: &Node, drawn: bool) -> Option<Range> {
 }
 
 impl Range {
-    /// The value at `share` of the way from end to end, or `share` standard deviations from the mean (1), to twelve digits.
+    /// The value at `share` of the way from end to end, or `share` standard deviations from the
+    /// mean (1), to twelve digits.
     pub(super) fn at(&self, share: f64) -> Node {
         let [first, second] = self.ends;
         let value = match self.law {

@@ -16,12 +16,14 @@ pub struct PlannedRun {
     pub values: Vec<Node>,
     /// Which of the repetitions of the same values, from 1.
     pub repeat: u64,
-    /// Seed of everything random in it: the same wherever a run with these values stands, below 2^53.
+    /// Seed of everything random in it: the same wherever a run with these values stands, below
+    /// 2^53.
     pub seed: u64,
 }
 
 impl Design {
-    /// Run number `index`, from 0: the last path of the grid changes fastest, the points of the sample within it, repetitions within them.
+    /// Run number `index`, from 0: the last path of the grid changes fastest, the points of the
+    /// sample within it, repetitions within them.
     pub fn run(&self, index: u64) -> PlannedRun {
         let (mut rest, repeat) = (index / self.repeat, index % self.repeat + 1);
         let mut values = Vec::new();
@@ -70,7 +72,8 @@ impl Design {
         })
     }
 
-    /// Draws the strata of a Latin hypercube: for each path every one of them once, in an order of its own.
+    /// Draws the strata of a Latin hypercube: for each path every one of them once, in an order of
+    /// its own.
     pub(super) fn stratify(&mut self) {
         let seed = self.seed;
         let Some(Sample { count, over, strata: Some(strata) }) = &mut self.sample else { return };

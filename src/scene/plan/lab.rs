@@ -1,4 +1,5 @@
-//! What a laboratory has for a momentum test: strikers, heights, instruments, and how well each is known.
+//! What a laboratory has for a momentum test: strikers, heights, instruments, and how well each is
+//! known.
 
 use std::path::Path;
 

@@ -1,6 +1,8 @@
-//! The plan of a calibration: which recordings, which strikers, how fast, and how well all that is known.
+//! The plan of a calibration: which recordings, which strikers, how fast, and how well all that is
+//! known.
 //!
-//! A key that ends in `_u` is the standard uncertainty (k = 1) of the key before it, in its unit or as a share of it.
+//! A key that ends in `_u` is the standard uncertainty (k = 1) of the key before it, in its unit or
+//! as a share of it.
 
 mod data;
 mod impact;
@@ -20,7 +22,8 @@ use crate::sensor::Load;
 
 /// Standard acceleration of free fall, CGPM 1901 (m/s^2).
 const FREE_FALL: f64 = 9.806_65;
-/// How far it is from there at sea level at most, from 9.780 at the equator to 9.832 at the poles, relative (1).
+/// How far it is from there at sea level at most, from 9.780 at the equator to 9.832 at the poles,
+/// relative (1).
 const LATITUDES: f64 = 0.0027;
 /// The input of a scope of this family.
 pub const INPUT: Load = Load { resistance: 1e6, capacitance: 20e-12 };
@@ -46,7 +49,8 @@ pub enum PlanError {
 /// Loads the plan in `file`.
 ///
 /// # Errors
-/// [`PlanError`]: not readable, or every problem found in it, recordings that do not exist included.
+/// [`PlanError`]: not readable, or every problem found in it, recordings that do not exist
+/// included.
 pub fn load(file: &Path) -> Result<CalibrationPlan, PlanError> {
     let name = file.display().to_string();
     if !file.is_file() {

@@ -68,7 +68,8 @@ fn receive(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
     let y_off = incoming.y_off / transfer.steps() - transfer.shift();
     let points = at.instrument.model.interval(1.0);
     let codes = codes.into_iter().map(scaled);
-    // The first point goes to `DATa:STARt`; what stands elsewhere in the memory stays, and where nothing does, it is at zero volts.
+    // The first point goes to `DATa:STARt`; what stands elsewhere in the memory stays, and where
+    // nothing does, it is at zero volts.
     let first = transfer.start.min(transfer.stop).saturating_sub(1);
     let mut all: Vec<i16> = match at.instrument.reference(letter) {
         Some(before) if first > 0 => before.codes.clone(),

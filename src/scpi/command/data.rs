@@ -67,7 +67,8 @@ fn initialise(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> 
 }
 
 fn set_encoding(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
-    // `ASC` is what the preamble tells, and what scripts send: shorter than the manual's shortest `ASCI`.
+    // `ASC` is what the preamble tells, and what scripts send: shorter than the manual's shortest
+    // `ASCI`.
     let encoding = match only(arguments)? {
         Argument::Word(typed) if typed.eq_ignore_ascii_case("ASC") => Encoding::Ascii,
         _ => word::<Encoding>(arguments)?,

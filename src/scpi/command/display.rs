@@ -1,4 +1,5 @@
-//! Display: `DISplay`. Format and style show in the picture that `HARDCopy` sends; the rest is kept and told.
+//! Display: `DISplay`. Format and style show in the picture that `HARDCopy` sends; the rest is kept
+//! and told.
 
 use crate::instrument::word::words;
 use crate::scpi::argument::{flag, real, whole, word};

@@ -1,7 +1,8 @@
 //! Measurements: `MEASUrement`.
 //!
-//! A measurement without result answers 9.9E37 and reports why: 2225 for a waveform that is not displayed, 2202 for a
-//! record without a full cycle, 2231 for a measurement that measures nothing, 221 in scan mode and in XY, where nothing is measured.
+//! A measurement without result answers 9.9E37 and reports why: 2225 for a waveform that is not
+//! displayed, 2202 for a record without a full cycle, 2231 for a measurement that measures nothing,
+//! 221 in scan mode and in XY, where nothing is measured.
 
 use crate::instrument::Event;
 use crate::instrument::measure::{INVALID, measure, unit};

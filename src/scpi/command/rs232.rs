@@ -1,4 +1,5 @@
-//! RS-232: `RS232`. There is no serial line; its settings are kept, and the terminator acts on the connection that sets it.
+//! RS-232: `RS232`. There is no serial line; its settings are kept, and the terminator acts on the
+//! connection that sets it.
 
 use crate::scope::model::nearest;
 use crate::scpi::argument::{flag, real};

@@ -1,8 +1,9 @@
 //! Waveform preambles: `WFMPre`.
 //!
-//! Queries tell of the waveform that `DATa:SOUrce` names, commands of the one that `CURVe` will bring. With two bytes a
-//! point the level of the converter is the high byte, so a step is 1/256 of a level; positive numbers begin at the lowest
-//! level. Text is always signed. Sources: user manuals of the TDS1012 (p. 182, 187) and TDS2022 (p. 190), real replies.
+//! Queries tell of the waveform that `DATa:SOUrce` names, commands of the one that `CURVe` will
+//! bring. With two bytes a point the level of the converter is the high byte, so a step is 1/256 of
+//! a level; positive numbers begin at the lowest level. Text is always signed. Sources: user
+//! manuals of the TDS1012 (p. 182, 187) and TDS2022 (p. 190), real replies.
 
 use crate::instrument::Event;
 use crate::instrument::transfer::{Points, Transfer};
@@ -35,7 +36,8 @@ macro_rules! outgoing {
     };
 }
 
-/// A field of the waveform in the header. Those of reference memories can be set; a memory holds as many points as it was given.
+/// A field of the waveform in the header. Those of reference memories can be set; a memory holds as
+/// many points as it was given.
 macro_rules! of_reference {
     ($field:ident, |$w:pat_param, $by:pat_param, $a:ident| $change:expr) => {
         both(
@@ -220,7 +222,8 @@ fn y_unit(waveform: &Waveform, _: &Transfer) -> ReplyValue {
     ReplyValue::Text(if unit == "V" { "Volts".to_owned() } else { unit.clone() })
 }
 
-/// The waveform in words. A channel whose coupling is not known has DC coupling, a math trace has none.
+/// The waveform in words. A channel whose coupling is not known has DC coupling, a math trace has
+/// none.
 fn wfid(at: &mut Context<'_>, source: Source) -> Result<ReplyValue, Stop> {
     let mut waveform = at.instrument.waveform(source)?.into_owned();
     let coupling = waveform.vertical.coupling.unwrap_or(Coupling::Dc);

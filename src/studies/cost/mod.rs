@@ -1,8 +1,10 @@
 //! The work-precision study of a scene: what accuracy costs.
 //!
-//! First what an accuracy takes as `run` makes it, check runs included. Then every method over its range of settings. First peaks, arrivals and traces are compared with a reference from
-//! another family of methods than those that `--accuracy` goes by, as far as one comes to an end, which carries its own error bar: the difference to a second tight solution. Force evaluations
-//! are exact; wall times are informative, median and minimum of several runs.
+//! First what an accuracy takes as `run` makes it, check runs included. Then every method over its
+//! range of settings. First peaks, arrivals and traces are compared with a reference from another
+//! family of methods than those that `--accuracy` goes by, as far as one comes to an end, which
+//! carries its own error bar: the difference to a second tight solution. Force evaluations are
+//! exact; wall times are informative, median and minimum of several runs.
 
 mod points;
 mod table;
@@ -37,15 +39,17 @@ pub struct CostStudy {
     pub orders: Vec<Order>,
     /// Choices of `--accuracy` at each decade, with the errors reached.
     pub chosen: Vec<ChosenMethod>,
-    /// One digitiser level of the most sensitive channel, relative to its first peak; none without a wired sensor (1).
+    /// One digitiser level of the most sensitive channel, relative to its first peak; none without
+    /// a wired sensor (1).
     pub level: Option<f64>,
     /// The scope's sample interval, relative to the earliest arrival compared (1).
     pub sample: f64,
 }
 
 impl CostStudy {
-    /// The coarsest setting of each method that is as accurate as `accuracy` (1) in peaks and arrivals, as all its finer ones are; in traces to half of
-    /// the digits, where what was chosen is.
+    /// The coarsest setting of each method that is as accurate as `accuracy` (1) in peaks and
+    /// arrivals, as all its finer ones are; in traces to half of the digits, where what was chosen
+    /// is.
     pub fn accurate(&self, accuracy: f64) -> impl Iterator<Item = &Point> {
         let late = move |error: Option<f64>| error.is_none_or(|error| error <= accuracy.sqrt());
         let same = |chosen: &&ChosenMethod| (chosen.accuracy / accuracy - 1.0).abs() < 1e-9;
@@ -64,7 +68,8 @@ impl CostStudy {
     }
 }
 
-/// Makes the study with `runs` timed runs of each point; `progress` is called with the share of the work done.
+/// Makes the study with `runs` timed runs of each point; `progress` is called with the share of the
+/// work done.
 ///
 /// # Errors
 /// The integrator's error where even the reference fails, in words.
@@ -111,7 +116,8 @@ fn decades() -> impl Iterator<Item = f64> {
     (2..=10).map(|decade| 10f64.powi(-decade))
 }
 
-/// Slopes of peak error against force evaluations, where neither the reference nor coarse steps blur them.
+/// Slopes of peak error against force evaluations, where neither the reference nor coarse steps
+/// blur them.
 fn orders(points: &[Point], reference: f64) -> Vec<Order> {
     let mut orders: Vec<Order> = Vec::new();
     for rows in points.chunk_by(|a, b| a.method == b.method) {
@@ -131,8 +137,8 @@ fn orders(points: &[Point], reference: f64) -> Vec<Order> {
     orders
 }
 
-/// Slope of a straight line by least squares, and its standard error; none with fewer than three points, or where stability and not accuracy chooses the steps, so that
-/// the work hardly differs.
+/// Slope of a straight line by least squares, and its standard error; none with fewer than three
+/// points, or where stability and not accuracy chooses the steps, so that the work hardly differs.
 fn slope(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let range = |(low, high): (f64, f64), p: &(f64, f64)| (low.min(p.0), high.max(p.0));
     let (least, most) = points.iter().fold((f64::MAX, f64::MIN), range);

@@ -16,7 +16,8 @@ use crate::scene::Scene;
 
 /// Runs of an accuracy are not repeated for longer than this: the study takes seconds.
 const TIMING_BUDGET: Duration = Duration::from_millis(300);
-/// Points that would take more force evaluations than this are left out: the study is for a coffee break, not for lunch.
+/// Points that would take more force evaluations than this are left out: the study is for a coffee
+/// break, not for lunch.
 const MOST_EVALUATIONS: f64 = 60_000.0;
 /// A point under error control that takes more is given up; the lossless methods take shorter.
 const MOST_CONTROLLED: u64 = 120_000;
@@ -32,7 +33,8 @@ const UNCORRECTED: &str = "dormand-el-mikkawy-prince-86, uncorrected";
 /// An error above this is no result (1).
 const FAILED: f64 = 1.0;
 
-/// The method's name; the pair without the correction at contact opening and closing has one of its own.
+/// The method's name; the pair without the correction at contact opening and closing has one of its
+/// own.
 pub fn name((method, without): Treated) -> &'static str {
     match (without, method) {
         (Some(_), Method::DormandElMikkawyPrince86 { .. }) => UNCORRECTED,
@@ -57,7 +59,8 @@ const ADAPTIVE: [Make; 5] = [
     |tolerance| Method::Rodas { tolerance },
 ];
 
-/// Every method over its range: steps from the edge of stability down, tolerances from coarse to tight.
+/// Every method over its range: steps from the edge of stability down, tolerances from coarse to
+/// tight.
 pub fn settings(scene: &Scene) -> Vec<Treated> {
     let (fixed, adaptive) = (FIXED, ADAPTIVE);
     let suits = |method: Method| method.suits(scene.chain.is_dissipative());
@@ -92,7 +95,8 @@ fn setting(method: Method) -> f64 {
 }
 
 impl Point {
-    /// Nothing found: in as many evaluations of all contact forces as fixed steps take, in `evaluations` otherwise.
+    /// Nothing found: in as many evaluations of all contact forces as fixed steps take, in
+    /// `evaluations` otherwise.
     pub(super) fn failed(scene: &Scene, treated: Treated, evaluations: u64) -> Self {
         let (method, _) = treated;
         let all = |(step, _): (f64, f64)| {
@@ -147,7 +151,8 @@ pub fn point(scene: &Scene, treated: Treated, exact: &Run, runs: u16) -> Point {
     point
 }
 
-/// Result of `--accuracy`: the complete run, with its check runs, so many times or as often as [`TIMING_BUDGET`] allows.
+/// Result of `--accuracy`: the complete run, with its check runs, so many times or as often as
+/// [`TIMING_BUDGET`] allows.
 ///
 /// # Errors
 /// [`RunError`] where the scene cannot be run.
@@ -196,8 +201,8 @@ fn method_name(name: &str) -> &'static str {
     all.find(|known| *known == name).unwrap_or("another method")
 }
 
-/// The reference, and what it says of itself. With losses it is by neither of the methods that `--accuracy` goes by, unless the one of order 5
-/// takes too much.
+/// The reference, and what it says of itself. With losses it is by neither of the methods that
+/// `--accuracy` goes by, unless the one of order 5 takes too much.
 ///
 /// # Errors
 /// The integrator's error where no two methods come to an end, in words.

@@ -28,7 +28,8 @@ pub struct Point {
     pub order: u8,
     /// Step (s) of a fixed-step method, tolerance (1) of an adaptive one (unit).
     pub setting: f64,
-    /// Whether the run stopped, lost its first peaks, or was more than 100 % off in them or in arrivals, or its step cannot be stable: `run` refuses it.
+    /// Whether the run stopped, lost its first peaks, or was more than 100 % off in them or in
+    /// arrivals, or its step cannot be stable: `run` refuses it.
     pub failed: bool,
     /// Whether it was given up, for it took too many evaluations, or a looser tolerance did.
     pub given_up: bool,
@@ -36,12 +37,13 @@ pub struct Point {
     pub error_peak: Option<f64>,
     /// Largest relative error of first-peak times, half-rises and tenths (1).
     pub error_arrival: Option<f64>,
-    /// Largest deviation of any sensor's force at the scope's sample times, relative to its largest (1).
+    /// Largest deviation of any sensor's force at the scope's sample times, relative to its largest
+    /// (1).
     pub error_trace: Option<f64>,
     /// Energy drift relative to the energy in motion (1).
     pub error_energy: Option<f64>,
-    /// Evaluations of all contact forces. Of a run that stopped, how many its fixed steps would have taken, or none; of one that was
-    /// given up, after how many.
+    /// Evaluations of all contact forces. Of a run that stopped, how many its fixed steps would
+    /// have taken, or none; of one that was given up, after how many.
     pub force_evaluations: u64,
     /// Median wall time; null in JSON where no run came to its end (s).
     #[serde(serialize_with = "measured")]
@@ -69,9 +71,11 @@ pub struct Order {
     pub source: &'static str,
     /// Order on smooth problems.
     pub nominal: u8,
-    /// Exponent of peak error against force evaluations, by least squares; none with fewer than three points, or where the work hardly differs (1).
+    /// Exponent of peak error against force evaluations, by least squares; none with fewer than
+    /// three points, or where the work hardly differs (1).
     pub observed: Option<f64>,
-    /// Its standard error, by how far points stand from the straight line: errors that change their sign, and few points, leave little (1).
+    /// Its standard error, by how far points stand from the straight line: errors that change their
+    /// sign, and few points, leave little (1).
     pub observed_u: Option<f64>,
     /// Its expanded uncertainty for 95 %, by Student's t (1).
     #[serde(rename = "observed_U95")]
@@ -93,7 +97,8 @@ pub struct ChosenMethod {
     pub error_peak: Option<f64>,
     /// Of first-peak times, half-rises and tenths alone (1).
     pub error_arrival: Option<f64>,
-    /// Of traces, which are held to half of its digits, unless a run tells from when on they are not (1).
+    /// Of traces, which are held to half of its digits, unless a run tells from when on they are
+    /// not (1).
     pub error_trace: Option<f64>,
     /// Energy drift relative to the energy in motion, which no accuracy is asked for (1).
     pub error_energy: Option<f64>,

@@ -15,10 +15,12 @@ const FREE_FALL: f64 = 9.81;
 const ROUNDING: f64 = 1e-9;
 /// The ring that stands for real magnets in the criterion of a constant force.
 const RING: &str = "ring-15-6-6";
-/// How much heavier a particle may be with a plate in it: bench notes of such sensors have up to this (1).
+/// How much heavier a particle may be with a plate in it: bench notes of such sensors have up to
+/// this (1).
 const HOST_SPREAD: f64 = 0.06;
 
-/// Runs `other` against the scene; `is_on` tells whether the scene is the one with the effect. Why there is no trial, if there is none.
+/// Runs `other` against the scene; `is_on` tells whether the scene is the one with the effect. Why
+/// there is no trial, if there is none.
 fn against(
     subject: &BaselineRun<'_>,
     other: Result<Scene, String>,
@@ -78,7 +80,8 @@ pub fn magnet_preload(subject: &BaselineRun<'_>) -> LedgerEntry {
         .entry("magnet_preload", criterion)
 }
 
-/// A real magnet's force changes with distance. Where the scene's own is constant, a shipped ring that pulls as hard stands beside it.
+/// A real magnet's force changes with distance. Where the scene's own is constant, a shipped ring
+/// that pulls as hard stands beside it.
 pub fn magnet_law(subject: &BaselineRun<'_>) -> LedgerEntry {
     let criterion = "slope of the magnet's force x travel of its particle / force";
     let off = |reason: &str| {
@@ -265,7 +268,8 @@ pub fn host_mass(subject: &BaselineRun<'_>) -> LedgerEntry {
         Site::Wall => None,
     };
     let hosts: Vec<usize> = scene.sensors.iter().filter_map(|s| host(s.site)).collect();
-    // A kind's own mass is that of its particles without a sensor; in a taper they are of other sizes.
+    // A kind's own mass is that of its particles without a sensor; in a taper they are of other
+    // sizes.
     let own = |index: usize| {
         let body = particles.get(index)?;
         let is_bare = |(i, bare): &(usize, &Body)| bare.name == body.name && !hosts.contains(i);

@@ -59,7 +59,8 @@ fn unwired(effect: &'static str, criterion: &'static str) -> LedgerEntry {
         .entry(effect, criterion)
 }
 
-/// Digitiser levels in a channel's first peak, the fewest of all channels, from the signals as they are.
+/// Digitiser levels in a channel's first peak, the fewest of all channels, from the signals as they
+/// are.
 fn levels_in_peak(subject: &BaselineRun<'_>) -> Option<f64> {
     let found = signals(subject.scene, &subject.bench, 1);
     let channels = subject.scene.scope.channels.iter().zip(found);

@@ -4,7 +4,8 @@ use serde::Serialize;
 
 use super::trial::{Change, EffectTrial, RunTimes};
 
-/// Share of a digitiser level, or of a sample interval, below which a record does not show a change (1).
+/// Share of a digitiser level, or of a sample interval, below which a record does not show a change
+/// (1).
 const RECORD_SHARE: f64 = 0.1;
 
 /// Effects whose change chance decides.
@@ -41,8 +42,9 @@ pub enum EffectVerdict {
 }
 
 impl EffectVerdict {
-    /// The verdict on an effect that is `active` or not and makes this change, at `accuracy` (1). Effects `of_records`, of sensors and scope, count
-    /// where they change a record by a tenth of a digitiser level or of a sample interval.
+    /// The verdict on an effect that is `active` or not and makes this change, at `accuracy` (1).
+    /// Effects `of_records`, of sensors and scope, count where they change a record by a tenth of a
+    /// digitiser level or of a sample interval.
     pub(super) fn of(
         active: bool,
         change: Option<&Change>,
@@ -98,7 +100,8 @@ pub struct LedgerEntry {
     pub reason: String,
     /// Times of whole runs with and without it; none where they were not measured.
     pub run_times: Option<RunTimes>,
-    /// Whether chance decides what it changes: then changes are what 95 % of a hundred draws stay within, without a sign.
+    /// Whether chance decides what it changes: then changes are what 95 % of a hundred draws stay
+    /// within, without a sign.
     pub is_drawn: bool,
     /// Its change, or the change if it were on; none where that was not measured.
     pub change: Option<Change>,

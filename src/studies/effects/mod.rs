@@ -1,10 +1,12 @@
 //! The effects ledger of a scene: what is on, why, what it costs, and what it changes.
 //!
-//! Cost and change are measured, by runs with and without the effect at the same accuracy, in turn; a change is that of what the user
-//! reads: first peaks, arrivals and speeds of forces for effects of the chain, first peaks and half-rises of the scope's
-//! signals for effects of sensors and scope. An effect that is off is no part of the system that is integrated, and costs nothing.
+//! Cost and change are measured, by runs with and without the effect at the same accuracy, in turn;
+//! a change is that of what the user reads: first peaks, arrivals and speeds of forces for effects
+//! of the chain, first peaks and half-rises of the scope's signals for effects of sensors and
+//! scope. An effect that is off is no part of the system that is integrated, and costs nothing.
 //!
-//! `tests/it/effects.rs` demands the same bytes from the same number of evaluations whether an effect is off or absent.
+//! `tests/it/effects.rs` demands the same bytes from the same number of evaluations whether an
+//! effect is off or absent.
 
 mod chain;
 mod electronics;
@@ -41,7 +43,8 @@ pub struct Ledger {
     pub entries: Vec<LedgerEntry>,
 }
 
-/// Makes the ledger of `scene`, with all runs held to `accuracy` (1); `progress` is called with the share of the work done.
+/// Makes the ledger of `scene`, with all runs held to `accuracy` (1); `progress` is called with the
+/// share of the work done.
 ///
 /// # Errors
 /// [`RunError`] where the scene itself cannot be run.

@@ -23,7 +23,8 @@ pub const DRAWS: u64 = 100;
 /// Time after which no more pairs than the fewest are timed.
 const TIME_LIMIT: Duration = Duration::from_millis(150);
 
-/// Relative changes, with the effect over without it, and what the scope would show of them. Each is the largest of all places.
+/// Relative changes, with the effect over without it, and what the scope would show of them. Each
+/// is the largest of all places.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Change {
     /// Of pulse speeds between neighbouring sensors, by half-rise; none without two of them (1).
@@ -143,7 +144,8 @@ struct PulseReading {
     half_rise: f64,
 }
 
-/// Where to look for the first peak of each channel, by the force behind it: half a rise before and after it.
+/// Where to look for the first peak of each channel, by the force behind it: half a rise before and
+/// after it.
 fn windows(subject: &BaselineRun<'_>) -> Vec<Option<(usize, usize)>> {
     let BaselineRun { scene, bench, .. } = subject;
     let grid = bench.grid();
@@ -195,7 +197,8 @@ pub fn of_signals(subject: &BaselineRun<'_>, on: &ChannelVolts, off: &ChannelVol
 /// Volts of each channel that is on.
 pub type ChannelVolts = Vec<Option<Vec<f64>>>;
 
-/// What 95 % of [`DRAWS`] draws of an effect change at most, each of the scenes with another seed; `redraw` draws what a scene holds drawn already.
+/// What 95 % of [`DRAWS`] draws of an effect change at most, each of the scenes with another seed;
+/// `redraw` draws what a scene holds drawn already.
 pub fn of_draws(
     subject: &BaselineRun<'_>,
     (with, without): (&Scene, &Scene),

@@ -149,8 +149,9 @@ impl MovingChain<'_> {
         Ok(())
     }
 
-    /// Checks force and time of first peaks at `contacts` against another family of methods: no more than `accuracy` off at the
-    /// loudest of them, by which the error control measures, and as much more as a pulse is weaker elsewhere; and the energy.
+    /// Checks force and time of first peaks at `contacts` against another family of methods: no
+    /// more than `accuracy` off at the loudest of them, by which the error control measures, and as
+    /// much more as a pulse is weaker elsewhere; and the energy.
     pub fn check_peaks(
         &self,
         tally: &mut CaseChecks,
@@ -169,8 +170,9 @@ impl MovingChain<'_> {
         Ok(())
     }
 
-    /// Checks first peaks at `contacts` of a chain with losses against another family of methods, as [`MovingChain::check_peaks`] does, and the
-    /// energy with what the losses have taken: that it is all there at the end, and never more than there was.
+    /// Checks first peaks at `contacts` of a chain with losses against another family of methods,
+    /// as [`MovingChain::check_peaks`] does, and the energy with what the losses have taken: that
+    /// it is all there at the end, and never more than there was.
     pub fn check_lossy(
         &self,
         tally: &mut CaseChecks,
@@ -206,7 +208,8 @@ impl MovingChain<'_> {
     }
 }
 
-/// First peaks against exact ones: no more than `accuracy` off at the loudest contact (1), and as much more as a pulse is weaker.
+/// First peaks against exact ones: no more than `accuracy` off at the loudest contact (1), and as
+/// much more as a pulse is weaker.
 fn check_readings(
     tally: &mut CaseChecks,
     what: &str,
@@ -232,8 +235,8 @@ fn check_readings(
     }
 }
 
-/// Bound of the energy drift: each step may be off by the accuracy in speed, twice that in energy, as often one way as the other, or a method would
-/// make energy (1).
+/// Bound of the energy drift: each step may be off by the accuracy in speed, twice that in energy,
+/// as often one way as the other, or a method would make energy (1).
 pub fn drift_bound(work: Work, accuracy: f64) -> f64 {
     2.0 * (work.steps as f64).sqrt() * accuracy
 }

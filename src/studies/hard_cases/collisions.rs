@@ -82,8 +82,8 @@ fn strikers(tally: &mut CaseChecks) -> Result<(), String> {
 
 fn stiffnesses(tally: &mut CaseChecks) -> Result<(), String> {
     for ratio in [1e1, 1e2, 1e3, 1e4] {
-        // Stiff spheres in pairs with a soft one between: A goes as the modulus E* = E/(2 - 2 nu^2) of equal bodies, and as
-        // 1/E* = (1 - nu^2)(1/E1 + 1/E2) of unlike ones.
+        // Stiff spheres in pairs with a soft one between: A goes as the modulus E* = E/(2 - 2 nu^2)
+        // of equal bodies, and as 1/E* = (1 - nu^2)(1/E1 + 1/E2) of unlike ones.
         let youngs_modulus = STEEL.youngs_modulus / (2.0 * ratio - 1.0);
         let soft = Elasticity { youngs_modulus, ..STEEL };
         let body = |elasticity| sphere(HEAVY, elasticity);

@@ -63,7 +63,8 @@ fn ten_million_steps(tally: &mut CaseChecks) -> Result<(), String> {
     let end = motion.by(Method::VelocityVerlet { step }, STEPS * step)?;
     let steps = end.work.steps as f64;
     tally.check("steps", steps - STEPS, 0.5);
-    // Each step turns by this angle; position and velocity of the numerical solution are its sine and cosine.
+    // Each step turns by this angle; position and velocity of the numerical solution are its sine
+    // and cosine.
     let half = 0.5 * omega * step;
     let phase = STEPS * 2.0 * half.asin();
     let exact = phase.sin() / (omega * (1.0 - half * half).sqrt());
@@ -82,7 +83,8 @@ fn three_seconds(tally: &mut CaseChecks) -> Result<(), String> {
     let end = motion.after(3.0, ACCURACY)?;
     tally.check("energy", motion.drift(&end.state), drift_bound(end.work, ACCURACY));
     let momentum = |state: &State| chain.momentum(state);
-    // Equal forces at both ends: momentum stays. Rounding takes half an ulp a step and body at most.
+    // Equal forces at both ends: momentum stays. Rounding takes half an ulp a step and body at
+    // most.
     let before = LIGHT * 0.05;
     let rounding = 8.0 * end.work.steps as f64 * f64::EPSILON;
     tally.check("momentum", momentum(&end.state) / before - 1.0, rounding);
@@ -107,8 +109,9 @@ fn rattling(tally: &mut CaseChecks) -> Result<(), String> {
     Ok(())
 }
 
-/// Runs `chain` for `time` (s), turns every velocity round, and runs it back; returns how far overlaps and speeds are from where
-/// they began, relative to their largest, and the number of steps.
+/// Runs `chain` for `time` (s), turns every velocity round, and runs it back; returns how far
+/// overlaps and speeds are from where they began, relative to their largest, and the number of
+/// steps.
 fn there_and_back(chain: &Chain, method: Method, time: f64) -> Result<(f64, f64), String> {
     const SPEED: f64 = 0.1;
     let motion = MovingChain { velocities: set_moving(chain, 0, SPEED), chain };
@@ -136,7 +139,8 @@ fn time_reversal(tally: &mut CaseChecks) -> Result<(), String> {
             let (error, growth) = there_and_back(&chain, for_accuracy(accuracy), 1e-3)?;
             tally.check(format!("{force} N, accuracy {accuracy:e}"), error, accuracy * growth);
         }
-        // Symplectic and symmetric: these come back to where they began at any step, but for rounding.
+        // Symplectic and symmetric: these come back to where they began at any step, but for
+        // rounding.
         let step = 0.5e-6;
         let method = Method::VelocityVerlet { step };
         {

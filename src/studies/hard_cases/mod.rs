@@ -1,8 +1,9 @@
-//! The catalogue of hard cases: what breaks integrators of granular chains, and what this one makes of it.
+//! The catalogue of hard cases: what breaks integrators of granular chains, and what this one makes
+//! of it.
 //!
-//! Each case holds what the program computes against something from outside: a closed form, a conservation law, or a solution by
-//! another family of methods at a tighter tolerance. Nothing but three answers is possible: right within the stated bound,
-//! refused with a named cause, or wrong.
+//! Each case holds what the program computes against something from outside: a closed form, a
+//! conservation law, or a solution by another family of methods at a tighter tolerance. Nothing but
+//! three answers is possible: right within the stated bound, refused with a named cause, or wrong.
 
 mod benches;
 mod case;

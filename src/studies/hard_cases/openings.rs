@@ -39,15 +39,16 @@ fn openings(tally: &mut CaseChecks) -> Result<(), String> {
 }
 
 fn chatter(tally: &mut CaseChecks) -> Result<(), String> {
-    // Weights in a field of 1e-3 m/s²: gaps that hardly open, and flights of a million contact times.
+    // Weights in a field of 1e-3 m/s²: gaps that hardly open, and flights of a million contact
+    // times.
     for excess in [1e-6, 1e-3, 1e3] {
         bounce(tally, 1e-3 * LIGHT, excess)?;
     }
     column(tally)
 }
 
-/// A bead that `force` (N) presses against a wall, kicked away from it with the energy that opens the contact and `excess` times
-/// that on top (1).
+/// A bead that `force` (N) presses against a wall, kicked away from it with the energy that opens
+/// the contact and `excess` times that on top (1).
 fn bounce(tally: &mut CaseChecks, force: f64, excess: f64) -> Result<(), String> {
     const ACCURACY: f64 = 1e-8;
     let chain = between(vec![sphere(LIGHT, PTFE)], (End::Force(force), End::Wall(STEEL)))?;
@@ -77,7 +78,8 @@ fn bounce(tally: &mut CaseChecks, force: f64, excess: f64) -> Result<(), String>
 /// How long a bead that arrives with `speed` (m/s) under `force` (N) stays in contact: twice
 /// `int_0^d dx / sqrt(v^2 + 2 F x/m - 4/5 A/m x^2.5)` up to where it turns round (s).
 fn contact_time(contact: &Contact, force: f64, speed: f64) -> f64 {
-    // Smooth in s, x = d sin^2 s: midpoints of many intervals, twice as many for Richardson's extrapolation.
+    // Smooth in s, x = d sin^2 s: midpoints of many intervals, twice as many for Richardson's
+    // extrapolation.
     let left =
         |x: f64| 0.5 * LIGHT * speed * speed + force * x - hertz::energy(contact.stiffness, x);
     let (mut low, mut high) = (contact.static_overlap, contact.static_overlap);
@@ -94,7 +96,8 @@ fn contact_time(contact: &Contact, force: f64, speed: f64) -> f64 {
         let term = |i: u32| {
             let (sine, cosine) = (width * (f64::from(i) + 0.5)).sin_cos();
             let x = deepest * sine * sine;
-            // left(x) without the cancellation at the deepest point: all terms as differences to those there.
+            // left(x) without the cancellation at the deepest point: all terms as differences to
+            // those there.
             let rest = deepest * cosine * cosine;
             let power = powers_difference(deepest, x, rest);
             let energy = 0.4 * contact.stiffness * power - force * rest;
@@ -113,7 +116,8 @@ fn powers_difference(a: f64, b: f64, rest: f64) -> f64 {
     roots * (r.powi(4) + r.powi(3) * s + (r * s).powi(2) + r * s.powi(3) + s.powi(4))
 }
 
-/// A column that hardly weighs anything, kicked in its middle: every contact opens and closes again and again.
+/// A column that hardly weighs anything, kicked in its middle: every contact opens and closes again
+/// and again.
 fn column(tally: &mut CaseChecks) -> Result<(), String> {
     const ACCURACY: f64 = 1e-8;
     const TIME: f64 = 10e-3;

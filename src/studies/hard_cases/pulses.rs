@@ -1,4 +1,5 @@
-//! Pulses through chains: without preload, under any preload, at any speed, and where a dimer lets them through.
+//! Pulses through chains: without preload, under any preload, at any speed, and where a dimer lets
+//! them through.
 
 use super::HardCase;
 use super::benches::{
@@ -48,7 +49,8 @@ pub const CASES: &[HardCase] = &[
 /// Speed of the solitary wave, `c sqrt(m) / (A^(1/3) F^(1/6))` (1).
 const SOLITARY_WAVE_SPEED: f64 = 0.905_515_776_419;
 
-/// Hertz's law scales, and so must its solutions: steps are relative to the impact, and but for rounding the same (1).
+/// Hertz's law scales, and so must its solutions: steps are relative to the impact, and but for
+/// rounding the same (1).
 const SCALE_FACTOR: f64 = 1e-6;
 
 fn sonic_vacuum(tally: &mut CaseChecks) -> Result<(), String> {
@@ -113,8 +115,8 @@ fn ten_thousand(tally: &mut CaseChecks) -> Result<(), String> {
     linear_wave(tally, (10_000, 2.38), 1e-6, 1e-6)
 }
 
-/// Holds a chain of `count` spheres under `force` (N), its first one kicked with `speed` (m/s), against the linear solution, until
-/// the wave has passed 25 spheres.
+/// Holds a chain of `count` spheres under `force` (N), its first one kicked with `speed` (m/s),
+/// against the linear solution, until the wave has passed 25 spheres.
 fn linear_wave(
     tally: &mut CaseChecks,
     (count, force): (usize, f64),
@@ -127,7 +129,8 @@ fn linear_wave(
     let omega = (contact.static_stiffness() / LIGHT).sqrt();
     let motion = MovingChain { velocities: set_moving(&chain, 0, speed), chain: &chain };
     let end = motion.after(PHASE / (2.0 * omega), accuracy)?;
-    // F = k u (1 + u/(4 d0) + ...): the overlaps change by v0/w at most, over as many periods as the wave has taken.
+    // F = k u (1 + u/(4 d0) + ...): the overlaps change by v0/w at most, over as many periods as
+    // the wave has taken.
     let curvature = speed / omega / (4.0 * contact.static_overlap) * PHASE;
     let steps = drift_bound(end.work, accuracy) / 2.0;
     for (n, found) in end.state.velocity.iter().enumerate() {
@@ -143,8 +146,8 @@ fn linear_wave(
     Ok(())
 }
 
-/// Bessel function of the first kind by its integral, `1/pi int_0^pi cos(n s - x sin s) ds`: the trapezoidal rule converges
-/// exponentially for a periodic integrand.
+/// Bessel function of the first kind by its integral, `1/pi int_0^pi cos(n s - x sin s) ds`: the
+/// trapezoidal rule converges exponentially for a periodic integrand.
 fn bessel(order: usize, x: f64) -> f64 {
     const POINTS: usize = 1024;
     let term = |i: usize| {

@@ -26,7 +26,8 @@ pub struct CaseChecks {
 }
 
 impl CaseChecks {
-    /// Notes that `found` was reached where its magnitude may be `bound` at most, both in the same unit.
+    /// Notes that `found` was reached where its magnitude may be `bound` at most, both in the same
+    /// unit.
     pub fn check(&mut self, what: impl Into<String>, found: f64, bound: f64) {
         let check = Check { what: what.into(), found, bound };
         self.count += 1;

@@ -1,4 +1,5 @@
-//! Whether stated uncertainties are true: many blind calibrations, each with a sensor, readings and noise of its own.
+//! Whether stated uncertainties are true: many blind calibrations, each with a sensor, readings and
+//! noise of its own.
 
 use rand_distr::{Distribution, StandardUniform};
 use rand_pcg::Pcg64;
@@ -9,7 +10,8 @@ use super::simulation::TestError;
 use crate::analysis::calibration::Calibration;
 use crate::sensor::Circuit;
 
-/// Sensitivity and time constant are off the sensor's data by up to this, evenly: 90 % of it at most, lest a pulse saturate (1).
+/// Sensitivity and time constant are off the sensor's data by up to this, evenly: 90 % of it at
+/// most, lest a pulse saturate (1).
 const MAX_HIDDEN_DEVIATION: f64 = 0.09;
 /// Stream of what is hidden.
 const HIDDEN_STREAM: u128 = 1 << 71;

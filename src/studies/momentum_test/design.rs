@@ -1,7 +1,10 @@
-//! Designs a momentum test: which striker, height, V/div and s/div leave the sensitivity least uncertain.
+//! Designs a momentum test: which striker, height, V/div and s/div leave the sensitivity least
+//! uncertain.
 //!
-//! Strikers, heights and instruments are the laboratory's ([`Laboratory`]). Each candidate is a whole calibration of six impacts, two each from a height, half and a
-//! quarter of it, recorded by the virtual scope and calibrated blind: it is handed records and stated values, which are off the true ones as their uncertainties say.
+//! Strikers, heights and instruments are the laboratory's ([`Laboratory`]). Each candidate is a
+//! whole calibration of six impacts, two each from a height, half and a quarter of it, recorded by
+//! the virtual scope and calibrated blind: it is handed records and stated values, which are off
+//! the true ones as their uncertainties say.
 
 use super::simulation::BlindCalibration;
 use crate::quantity::Uncertain;
@@ -155,7 +158,8 @@ impl Designer {
             .collect()
     }
 
-    /// Records `truths` through `circuit`, and reads the laboratory's instruments: everything drawn from the seed and `repeat`.
+    /// Records `truths` through `circuit`, and reads the laboratory's instruments: everything drawn
+    /// from the seed and `repeat`.
     pub fn blind(
         &self,
         striker: &LabStriker,

@@ -1,4 +1,5 @@
-//! Momentum tests on the simulated bench: their design, the coverage of the uncertainties that they state, and their files.
+//! Momentum tests on the simulated bench: their design, the coverage of the uncertainties that they
+//! state, and their files.
 
 pub mod coverage;
 pub mod design;

@@ -1,8 +1,10 @@
-//! Simulated momentum tests: a striker drops on a sensor on a heavy anvil, and the scope records what the sensor makes of it.
+//! Simulated momentum tests: a striker drops on a sensor on a heavy anvil, and the scope records
+//! what the sensor makes of it.
 //!
-//! The bench is the shipped scene `momentum-test`: contact and free flight come from the chain, so the momentum handed over is known
-//! to the integrator's accuracy. Records of one impact that differ in phase, noise and circuit need it once only.
-//! Valid for elastic strikers: the rebound is as fast as the contact law makes it.
+//! The bench is the shipped scene `momentum-test`: contact and free flight come from the chain, so
+//! the momentum handed over is known to the integrator's accuracy. Records of one impact that
+//! differ in phase, noise and circuit need it once only. Valid for elastic strikers: the rebound is
+//! as fast as the contact law makes it.
 
 use rand_distr::{Distribution, StandardUniform};
 use rand_pcg::Pcg64;
@@ -25,7 +27,8 @@ use crate::trace::Trace;
 
 /// The bench.
 const SCENE: &str = "momentum-test";
-/// Time base at which the force is kept: 10 ns between samples, a thousandth of the shortest contacts.
+/// Time base at which the force is kept: 10 ns between samples, a thousandth of the shortest
+/// contacts.
 const FORCE_TIME_BASE: &str = "2.5 us/div";
 /// Mass of the anvil, which floats (kg).
 const ANVIL_MASS: f64 = 10.0;
@@ -94,7 +97,8 @@ pub fn bench(sensor: &str, scope: &str) -> Result<Scene, SceneError> {
 /// # Errors
 /// [`TestError`]: the bench cannot be built or run, or the striker stays.
 pub fn strike(striker: &LabStriker, speed: f64, gravity: f64) -> Result<ImpactTruth, TestError> {
-    // Hertz's contact lasts 2.94 overlaps over the speed; a hundredth of a second is more than any of these takes.
+    // Hertz's contact lasts 2.94 overlaps over the speed; a hundredth of a second is more than any
+    // of these takes.
     let mut duration = 200e-6;
     loop {
         let text = format!(
@@ -162,8 +166,8 @@ pub fn room() -> f64 {
     f64::from(HIGHEST_CODE) / LEVELS_PER_DIVISION - ZERO_POSITION
 }
 
-/// The scope's record of `truth` through `circuit`; phase of its clock and noise come from `seed` and `shot`. None where it is
-/// not triggered.
+/// The scope's record of `truth` through `circuit`; phase of its clock and noise come from `seed`
+/// and `shot`. None where it is not triggered.
 pub fn capture(
     truth: &ImpactTruth,
     circuit: Circuit,

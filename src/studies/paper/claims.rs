@@ -17,7 +17,8 @@ pub enum Expected {
     Printed {
         /// It, in the statement's unit (unit).
         value: f64,
-        /// How far off a number that agrees may be: half of the last digit that counts, all of it for an "about" (unit).
+        /// How far off a number that agrees may be: half of the last digit that counts, all of it
+        /// for an "about" (unit).
         allowed: f64,
     },
     /// At least this much (unit).
@@ -43,7 +44,8 @@ pub struct Claim {
     pub unit: String,
     /// How many SI units that is (unit).
     pub scale: f64,
-    /// Why a statement without a number is put into this one, or why fewer digits count than are printed.
+    /// Why a statement without a number is put into this one, or why fewer digits count than are
+    /// printed.
     pub because: String,
     /// Whether it is the paper's own measurement, which no calculation has to reproduce.
     pub measured: bool,

@@ -19,7 +19,8 @@ pub(super) fn cell(scene: &Scene, particle: usize) -> Result<(DiatomicChain, f64
     cell.ok_or_else(|| nothing(scene, "cell of two masses under a preload"))
 }
 
-/// Fig. 3 and what belongs to it. The force that `f2` as printed stands for is found from it, since that has the most digits.
+/// Fig. 3 and what belongs to it. The force that `f2` as printed stands for is found from it, since
+/// that has the most digits.
 pub(super) fn figure_3(
     claims: &[Claim],
     found: &mut IntermediateResults,

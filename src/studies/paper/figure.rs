@@ -47,7 +47,8 @@ pub struct Figure {
     pub signals: Vec<ForceSignal>,
     /// Spectra of parts of the record, each with its name.
     pub parts: Vec<(String, Spectrum)>,
-    /// The run behind the figure, with everything for a recording; none for the dispersion relation.
+    /// The run behind the figure, with everything for a recording; none for the dispersion
+    /// relation.
     pub run: Option<FigureRun>,
 }
 

@@ -1,8 +1,11 @@
-//! Herbold et al. (2009), recomputed: every figure and number of the paper that a calculation can give, compared with what is printed.
+//! Herbold et al. (2009), recomputed: every figure and number of the paper that a calculation can
+//! give, compared with what is printed.
 //!
-//! The paper's statements are data, `recordings/herbold-2009-claims.toml` and `herbold-2009-tables.toml`. Each statement gets one or more
-//! candidates from the simulations, by conventions that the paper leaves open, and [`verdict`] holds them against the digits as printed.
-//! Nothing is fitted but the one dashpot of [`tables`], and no verdict uses it but those on the paper's measured columns.
+//! The paper's statements are data, `recordings/herbold-2009-claims.toml` and
+//! `herbold-2009-tables.toml`. Each statement gets one or more candidates from the simulations, by
+//! conventions that the paper leaves open, and [`verdict`] holds them against the digits as
+//! printed. Nothing is fitted but the one dashpot of [`tables`], and no verdict uses it but those
+//! on the paper's measured columns.
 
 pub mod claims;
 mod dispersion;
@@ -43,7 +46,8 @@ pub struct PaperStudy {
     pub viscosity: Vec<Viscous>,
 }
 
-/// Computes the paper, or one `figure` of it; `progress` is called with the share of the work done, 0 to 1.
+/// Computes the paper, or one `figure` of it; `progress` is called with the share of the work done,
+/// 0 to 1.
 ///
 /// # Errors
 /// [`PaperError`], which would be this program's own mistake.

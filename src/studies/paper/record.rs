@@ -73,7 +73,8 @@ impl ForceRecord {
         reached.ok_or_else(|| nothing(&self.scene, &format!("half-rise at {}", place.key())))
     }
 
-    /// When the wall's echo reaches `place`: as long after the wall as the pulse came before it, both where they begin; the scene's end at the wall, or without one (s).
+    /// When the wall's echo reaches `place`: as long after the wall as the pulse came before it,
+    /// both where they begin; the scene's end at the wall, or without one (s).
     pub(super) fn echo(&self, place: ForceLocation) -> f64 {
         let begin = |place: ForceLocation| {
             let (_, pulse) = self.at(place).ok()?;
@@ -123,7 +124,8 @@ impl ForceRecord {
         Ok(ForceSignal { place, trace: self.trace(place)?.clone(), spectrum })
     }
 
-    /// Time from where the first pulse reaches the share `foot` (1) of its peak to the first minimum behind it (s).
+    /// Time from where the first pulse reaches the share `foot` (1) of its peak to the first
+    /// minimum behind it (s).
     pub(super) fn width(&self, place: ForceLocation, foot: f64) -> Result<f64, PaperError> {
         let (trace, pulse) = self.at(place)?;
         let peak = self.first_peak(place)?;
@@ -202,7 +204,8 @@ pub(super) fn mean_frequency(spectrum: &Spectrum) -> f64 {
     weighted / all
 }
 
-/// Runs `scene` as `run` does, and puts the forces of `signals` into its truth, as long as the figure shows them.
+/// Runs `scene` as `run` does, and puts the forces of `signals` into its truth, as long as the
+/// figure shows them.
 pub(super) fn record_run(scene: &Scene, signals: &[ForceSignal]) -> Result<FigureRun, PaperError> {
     let integration = Integration::Accuracy(accuracy(scene));
     let mut outcome = run(scene, integration, 1, &mut |_| ())?;

@@ -130,7 +130,8 @@ impl Sphere {
         Ok(least.max(0.0).powf(2.0 / 3.0))
     }
 
-    /// Speed of the packet from the optical branch over that of the leading pulse, from particle 51 to 101: when the branch has most power in a window.
+    /// Speed of the packet from the optical branch over that of the leading pulse, from particle 51
+    /// to 101: when the branch has most power in a window.
     fn packet(&self, item: &str) -> Result<ClaimResult, PaperError> {
         let [from, to] = [FAR[0], FAR[1]];
         let (length, step) = PACKET_WINDOWS;

@@ -1,4 +1,5 @@
-//! Figs 8 to 13: the bench of 38 particles under the magnet and under gravity alone, hit by three of the strikers.
+//! Figs 8 to 13: the bench of 38 particles under the magnet and under gravity alone, hit by three
+//! of the strikers.
 
 use super::ForceLocation;
 use super::dispersion::cell;

@@ -1,8 +1,10 @@
-//! Tables 1 and 2: speeds from particle 14 to 27, and the one dashpot that fits the measured ones best.
+//! Tables 1 and 2: speeds from particle 14 to 27, and the one dashpot that fits the measured ones
+//! best.
 //!
-//! The dashpot acts in every contact and is found by minimising the sum of squared differences to all eight measured half-rise speeds: a
-//! scan for the lowest valley, then golden sections (J. Kiefer, Proc. Amer. Math. Soc. 4, 502 (1953)). It is one number for one
-//! experiment and no material constant; a striker, spheres and the wall share it.
+//! The dashpot acts in every contact and is found by minimising the sum of squared differences to
+//! all eight measured half-rise speeds: a scan for the lowest valley, then golden sections (J.
+//! Kiefer, Proc. Amer. Math. Soc. 4, 502 (1953)). It is one number for one experiment and no
+//! material constant; a striker, spheres and the wall share it.
 
 use super::PaperError;
 use super::claims::{Claim, Expected, Typed};
@@ -20,7 +22,8 @@ use crate::studies::uncertainty::{SampleOptions, uncertain_prediction};
 
 /// Particles between which speeds are taken.
 const SPEED_PARTICLES: [usize; 2] = [14, 27];
-/// Dashpots of the scan for the lowest valley; from about 12 on the shocks at particle 27 have no peak of their own (N s/m).
+/// Dashpots of the scan for the lowest valley; from about 12 on the shocks at particle 27 have no
+/// peak of their own (N s/m).
 const DASHPOT_SCAN: [f64; 6] = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0];
 /// How well the best dashpot is known (N s/m).
 const DASHPOT_STEP: f64 = 0.1;
@@ -45,8 +48,9 @@ pub struct SpeedRow {
 }
 
 impl SpeedRow {
-    /// Normalised errors of a `printed` speed (m/s) by the half-rise and by the first peak: up to 1 both sides agree within what is known. Of the printed one
-    /// that is its last digit; the paper states nothing else (1).
+    /// Normalised errors of a `printed` speed (m/s) by the half-rise and by the first peak: up to 1
+    /// both sides agree within what is known. Of the printed one that is its last digit; the paper
+    /// states nothing else (1).
     pub fn normalised_errors(&self, printed: f64) -> [f64; 2] {
         let printed = Uncertain { value: printed, u: 0.5 / 3f64.sqrt(), half_width: 0.5 };
         [self.half_rise, self.peak].map(|here| {
@@ -123,7 +127,8 @@ pub(super) fn study(progress: &mut dyn FnMut(f64)) -> Result<SpeedStudy, PaperEr
     Ok(SpeedStudy { rows, dashpot, scan, rms_lossless, rms_with_dashpot })
 }
 
-/// Speeds of `scene` by the half-rise and by the first peak with the uncertainty that it states (m/s).
+/// Speeds of `scene` by the half-rise and by the first peak with the uncertainty that it states
+/// (m/s).
 fn intervals(scene: &str) -> Result<[Uncertain; 2], PaperError> {
     let mut adjustable = Adjustable::load(scene)?;
     let options = SampleOptions { samples: INTERVAL_SAMPLES, ..SampleOptions::default() };
@@ -146,7 +151,8 @@ fn rms(found: &[f64], measured: &[f64]) -> f64 {
     (squares / found.len() as f64).sqrt()
 }
 
-/// Speeds of all scenes with one dashpot in every contact (N s/m), at their accuracy, or less while the best one is looked for.
+/// Speeds of all scenes with one dashpot in every contact (N s/m), at their accuracy, or less while
+/// the best one is looked for.
 fn speeds_of(scenes: &[Scene], dashpot: f64, search: bool) -> Result<Vec<Speeds>, PaperError> {
     let lossy: Result<Vec<Scene>, PaperError> =
         scenes.iter().map(|scene| with_dashpot(scene, dashpot)).collect();

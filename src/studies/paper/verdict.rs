@@ -1,7 +1,9 @@
 //! A statement of the paper against what comes out here.
 //!
-//! A printed number agrees with a computed one that rounds to it: they differ by no more than half of the last digit that counts, or all
-//! of it where the paper says "about". The first candidate that agrees decides; one that the paper's own words describe is plain, any other is a convention and named.
+//! A printed number agrees with a computed one that rounds to it: they differ by no more than half
+//! of the last digit that counts, or all of it where the paper says "about". The first candidate
+//! that agrees decides; one that the paper's own words describe is plain, any other is a convention
+//! and named.
 
 use std::fmt::Write as _;
 
@@ -133,7 +135,8 @@ impl ClaimResult {
         self
     }
 
-    /// The value is a line in the spectrum of a record of `duration` (s), which tells lines apart by `1/T`.
+    /// The value is a line in the spectrum of a record of `duration` (s), which tells lines apart
+    /// by `1/T`.
     pub(super) fn line_of(self, duration: f64) -> Self {
         Self { resolution: 1.0 / duration, ..self }
     }

@@ -1,4 +1,5 @@
-//! Effect of viscosity on the incoming shock of Fig. 10: the text says that its oscillations get faster.
+//! Effect of viscosity on the incoming shock of Fig. 10: the text says that its oscillations get
+//! faster.
 
 use super::record::{ForceRecord, nothing};
 use super::strikers::SHOCK_PERIODS;

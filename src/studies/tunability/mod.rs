@@ -1,9 +1,11 @@
-//! The paper's title as a map: what a chain lets pass, and how fast, over its preload, its masses, its modulus and what strikes it.
+//! The paper's title as a map: what a chain lets pass, and how fast, over its preload, its masses,
+//! its modulus and what strikes it.
 //!
-//! Each knob is turned by itself over equal ratios, everything else stays as the scene has it. Band edges and the speed of long waves are
-//! those of the linear chain around the first sensor (Herbold et al. (2009), Eqs (9) and (10)); the speed of the pulse and the spectrum
-//! that arrives are computed with all of the scene's physics. Edges hold for dynamic forces far below the static one; where the pulse
-//! is stronger, the map shows how far it breaks through them.
+//! Each knob is turned by itself over equal ratios, everything else stays as the scene has it. Band
+//! edges and the speed of long waves are those of the linear chain around the first sensor (Herbold
+//! et al. (2009), Eqs (9) and (10)); the speed of the pulse and the spectrum that arrives are
+//! computed with all of the scene's physics. Edges hold for dynamic forces far below the static
+//! one; where the pulse is stronger, the map shows how far it breaks through them.
 
 mod knob;
 
@@ -67,11 +69,13 @@ pub struct TunedPoint {
     pub value: f64,
     /// The linear chain around the first sensor; none without preload.
     pub chain: Option<DiatomicChain>,
-    /// Speed of the pulse between the first and the last sensor, by its half-rise; none where none arrives (m/s).
+    /// Speed of the pulse between the first and the last sensor, by its half-rise; none where none
+    /// arrives (m/s).
     pub pulse_speed: Option<f64>,
     /// First peak at the last sensor over that at the first (1).
     pub transmission: Option<f64>,
-    /// The spectrum at the last sensor through a Hann window: motion goes on when the record ends, and cut off it would blur the gap.
+    /// The spectrum at the last sensor through a Hann window: motion goes on when the record ends,
+    /// and cut off it would blur the gap.
     pub transmitted: Spectrum,
 }
 
@@ -86,8 +90,8 @@ pub struct Tuning {
     pub points: Vec<TunedPoint>,
 }
 
-/// Turns each of `knobs` from its value divided by `span` to `span` times it, in `points` equal ratios; `progress` is called with the share of
-/// the work done, 0 to 1.
+/// Turns each of `knobs` from its value divided by `span` to `span` times it, in `points` equal
+/// ratios; `progress` is called with the share of the work done, 0 to 1.
 ///
 /// # Errors
 /// [`TuneError`] for a scene without two sensors in particles or without the knob.

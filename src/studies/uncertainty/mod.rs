@@ -1,14 +1,18 @@
-//! What a scene's `[uncertainty]` makes of its predictions: intervals, bands of traces, and each input's share.
+//! What a scene's `[uncertainty]` makes of its predictions: intervals, bands of traces, and each
+//! input's share.
 //!
-//! `RandomInputs` are drawn by Latin hypercube: of `N` samples one lies in each `N`-th of every input's distribution, in random order. Each sample is a whole
-//! bench, chain, sensors and scope, without noise and rounding. Intervals are 2.5 and 97.5 % quantiles: of 40,000 values of the regression on the
-//! inputs' standard scores with its curvature and residuals, where it explains 95 % of the variance, so that few runs are enough; else of the samples. Bands are the samples'
-//! own. Shares come from the same linear regression, `share = R^2 (b_i)^2/sum of (b_j)^2`, with the share `R^2` of the variance that the
-//! regression explains; what it leaves is not linear, or interaction.
-//! Besides `[uncertainty]`, sensors' own `sensitivity_u` and `tau_u` are inputs, and with `[effects.scope_errors]` each channel's gain and zero.
-//! Sources: M. D. `McKay`, R. J. Beckman, W. J. Conover, Technometrics 21, 239 (1979); A. Saltelli et al., "Global Sensitivity Analysis" (2008),
-//! section 1.2.5 (standardised regression coefficients); JCGM 101:2008. Valid where outputs are nearly linear over the inputs' spread: the share
-//! that is left tells.
+//! `RandomInputs` are drawn by Latin hypercube: of `N` samples one lies in each `N`-th of every
+//! input's distribution, in random order. Each sample is a whole bench, chain, sensors and scope,
+//! without noise and rounding. Intervals are 2.5 and 97.5 % quantiles: of 40,000 values of the
+//! regression on the inputs' standard scores with its curvature and residuals, where it explains 95
+//! % of the variance, so that few runs are enough; else of the samples. Bands are the samples' own.
+//! Shares come from the same linear regression, `share = R^2 (b_i)^2/sum of (b_j)^2`, with the
+//! share `R^2` of the variance that the regression explains; what it leaves is not linear, or
+//! interaction. Besides `[uncertainty]`, sensors' own `sensitivity_u` and `tau_u` are inputs, and
+//! with `[effects.scope_errors]` each channel's gain and zero. Sources: M. D. `McKay`, R. J.
+//! Beckman, W. J. Conover, Technometrics 21, 239 (1979); A. Saltelli et al., "Global Sensitivity
+//! Analysis" (2008), section 1.2.5 (standardised regression coefficients); JCGM 101:2008. Valid
+//! where outputs are nearly linear over the inputs' spread: the share that is left tells.
 
 mod normalised;
 mod outputs;
@@ -74,7 +78,8 @@ pub enum UncertaintyError {
 const MAX_FAILED_SHARE: f64 = 0.02;
 /// Accuracy of the samples' integration: far below any uncertainty of a bench (1).
 const ACCURACY: f64 = 1e-5;
-/// Samples of the outputs' regressions, which need no run: quantiles to 0.5 % of the interval's half-width.
+/// Samples of the outputs' regressions, which need no run: quantiles to 0.5 % of the interval's
+/// half-width.
 const LINEAR_SAMPLES: usize = 40_000;
 /// Stream of the draws.
 const SAMPLE_STREAM: u128 = 1 << 75;
@@ -193,7 +198,8 @@ pub fn trace_bands(
 /// Predicts `adjustable` with its uncertainty, with bands of traces if `bands`.
 ///
 /// # Errors
-/// [`UncertaintyError`] for an `[uncertainty]` that names nothing, or nothing at all, and where the scene itself cannot be run.
+/// [`UncertaintyError`] for an `[uncertainty]` that names nothing, or nothing at all, and where the
+/// scene itself cannot be run.
 pub fn uncertain_prediction(
     adjustable: &mut Adjustable,
     options: SampleOptions,
@@ -220,7 +226,8 @@ pub fn uncertain_prediction(
     })
 }
 
-/// A Latin hypercube of `inputs` dimensions: each sample's shares of the distributions, from 0 to 1 (1).
+/// A Latin hypercube of `inputs` dimensions: each sample's shares of the distributions, from 0 to 1
+/// (1).
 fn hypercube(inputs: usize, options: SampleOptions) -> Vec<Vec<f64>> {
     let count = options.samples;
     let mut numbers = Pcg64::new(u128::from(options.seed), SAMPLE_STREAM);

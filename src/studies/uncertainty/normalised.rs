@@ -1,10 +1,13 @@
-//! A comparison by what both sides know: the normalised error of each quantity, and which inputs would have to move.
+//! A comparison by what both sides know: the normalised error of each quantity, and which inputs
+//! would have to move.
 //!
-//! `E_n = |m - s|/sqrt(U_m^2 + U_s^2)`, expanded uncertainties for 95 %: up to 1 both agree; `s` is the middle of the prediction's interval. Peaks, delays between sensors (half-rise), and speeds have one
-//! each; a trace's is the root mean square over its samples, zeros taken out, with the noise of both scopes, the gain and the prediction's band. The inputs'
-//! moves are the least, in their own standard
-//! uncertainties, that take the prediction to the measurement: `d_i = (m - s) b_i / sum of b_j^2`, `b` the changes with one uncertainty each.
-//! Sources: ISO 13528:2022, 9.6; ASME V&V 20-2009.
+//! `E_n = |m - s|/sqrt(U_m^2 + U_s^2)`, expanded uncertainties for 95 %: up to 1 both agree; `s` is
+//! the middle of the prediction's interval. Peaks, delays between sensors (half-rise), and speeds
+//! have one each; a trace's is the root mean square over its samples, zeros taken out, with the
+//! noise of both scopes, the gain and the prediction's band. The inputs' moves are the least, in
+//! their own standard uncertainties, that take the prediction to the measurement:
+//! `d_i = (m - s) b_i / sum of b_j^2`, `b` the changes with one uncertainty each. Sources: ISO
+//! 13528:2022, 9.6; ASME V&V 20-2009.
 
 use serde::Serialize;
 
@@ -38,7 +41,8 @@ pub struct NormalisedError {
     pub unit: &'static str,
     /// The measured value; none for a trace.
     pub measured: Option<Uncertain>,
-    /// The middle of the simulated value's interval, with the scene's uncertainty and the simulated scope's noise; none for a trace.
+    /// The middle of the simulated value's interval, with the scene's uncertainty and the simulated
+    /// scope's noise; none for a trace.
     pub simulated: Option<Uncertain>,
     /// `|m - s|/sqrt(U_m^2 + U_s^2)` (1).
     #[serde(rename = "E_n")]
@@ -60,14 +64,16 @@ impl NormalisedError {
     }
 }
 
-/// Normalised errors of first peaks, delays, speeds and traces of `compared`, whose simulated side `predicted` tells with its uncertainty.
+/// Normalised errors of first peaks, delays, speeds and traces of `compared`, whose simulated side
+/// `predicted` tells with its uncertainty.
 pub fn normalised_errors(
     compared: &Compared,
     predicted: &UncertainPrediction,
 ) -> Vec<NormalisedError> {
     let comparison = &compared.comparison;
     let output = |name: String| predicted.outputs.iter().find(|output| output.name == name);
-    // Both sides tell readings: where the prediction counts its scope's gain, the measured reading is what it is.
+    // Both sides tell readings: where the prediction counts its scope's gain, the measured reading
+    // is what it is.
     let gain_u = |score: &ChannelScore| {
         let gain = format!("gain of {}", score.against);
         if predicted.inputs.iter().any(|input| input.name == gain) { 0.0 } else { score.gain_u }
@@ -127,7 +133,8 @@ pub fn judge(compared: &mut Compared, predicted: &UncertainPrediction) -> Vec<No
     errors
 }
 
-/// Root mean square over the samples of their normalised errors; none for a band that tells nothing of them.
+/// Root mean square over the samples of their normalised errors; none for a band that tells nothing
+/// of them.
 fn trace_error(
     (score, gain_u): (&ChannelScore, f64),
     pair: &Pair,

@@ -51,14 +51,17 @@ pub struct TraceBand {
     pub low_v: Vec<f64>,
     /// Upper edge (V).
     pub high_v: Vec<f64>,
-    /// Share of the traces that leave the converter's range somewhere; recordings are clipped there, as the band is (1).
+    /// Share of the traces that leave the converter's range somewhere; recordings are clipped
+    /// there, as the band is (1).
     pub clipped_share: f64,
 }
 
-/// An output of which the regression explains this share is told by it at many more scores than were run (1).
+/// An output of which the regression explains this share is told by it at many more scores than
+/// were run (1).
 const LINEAR_SHARE: f64 = 0.95;
 
-/// All outputs that the nominal run has, in the samples that have them; `many` scores are those that no run is made for.
+/// All outputs that the nominal run has, in the samples that have them; `many` scores are those
+/// that no run is made for.
 pub(super) fn intervals(
     [nominal, as_run]: [&Prediction; 2],
     samples: &[(&[f64], &Prediction)],
@@ -99,7 +102,8 @@ pub(super) fn intervals(
     all.iter().filter_map(interval).collect()
 }
 
-/// Values of an output for `many` scores: regression, its curvature along itself, and what both leave of the samples (unit).
+/// Values of an output for `many` scores: regression, its curvature along itself, and what both
+/// leave of the samples (unit).
 fn many_values(found: &Regression, samples: &[(&[f64], f64)], many: &[Vec<f64>]) -> Vec<f64> {
     let count = samples.len() as f64;
     let mean = |of: &dyn Fn(f64, f64) -> f64| {
@@ -141,7 +145,8 @@ impl OutputInterval {
         0.5 * (self.interval_95[0] + self.interval_95[1])
     }
 
-    /// Whether an end of the interval is off by more than a tenth of its half-width from where a `±` around the value would have it.
+    /// Whether an end of the interval is off by more than a tenth of its half-width from where a
+    /// `±` around the value would have it.
     pub fn is_one_sided(&self) -> bool {
         /// A tenth (1).
         const SHOWN_SHARE: f64 = 0.1;

@@ -1,4 +1,5 @@
-//! Each input's share of an output's variance, from a linear regression on the inputs' standard scores.
+//! Each input's share of an output's variance, from a linear regression on the inputs' standard
+//! scores.
 
 use serde::Serialize;
 
@@ -65,7 +66,8 @@ pub(super) fn regression(samples: &[(&[f64], f64)], inputs: &[RandomInput]) -> O
     let slopes = solve(&gram, &right).ok()?;
     let explained: f64 = slopes.iter().zip(&right).map(|(b, r)| b * r).sum::<f64>() / variance;
     let explained = explained.clamp(0.0, 1.0);
-    // Scores have variance one but for the samples' chance, which makes them go together a little: shares add up to what is explained all the same.
+    // Scores have variance one but for the samples' chance, which makes them go together a little:
+    // shares add up to what is explained all the same.
     let change = |j: usize| slopes[j] * gram[j][j].sqrt();
     let squares: f64 = all.map(|j| change(j).powi(2)).sum();
     let part = |(j, input): (usize, &RandomInput)| {

@@ -1,4 +1,5 @@
-//! The results of a sweep as a file: CSV, JSON lines, or Parquet. What was there is replaced when the new file is whole.
+//! The results of a sweep as a file: CSV, JSON lines, or Parquet. What was there is replaced when
+//! the new file is whole.
 
 #[cfg(feature = "parquet")]
 mod parquet_file;
@@ -127,7 +128,8 @@ impl TableWriter {
     }
 }
 
-/// The object of a run. Numbers stand there with the digits that they have in the log; what is not known is null.
+/// The object of a run. Numbers stand there with the digits that they have in the log; what is not
+/// known is null.
 fn object(columns: &[Column], cells: &[Cow<'_, str>]) -> String {
     let mut text = String::from("{");
     for (index, (column, cell)) in columns.iter().zip(cells).enumerate() {

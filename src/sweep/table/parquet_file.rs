@@ -1,4 +1,5 @@
-//! Apache Parquet: columns of doubles, whole numbers and texts, each with the column's head as its name; what is not known is null.
+//! Apache Parquet: columns of doubles, whole numbers and texts, each with the column's head as its
+//! name; what is not known is null.
 
 use std::borrow::Cow;
 use std::path::Path;

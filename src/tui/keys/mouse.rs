@@ -1,5 +1,6 @@
-//! The mouse: its wheel zooms around the pointer or scrolls, its button drags the picture or a cursor; over a readout, the wheel
-//! changes the setting that it shows. A turn up is a larger value: wheel up zooms in, to fewer volts and seconds a division.
+//! The mouse: its wheel zooms around the pointer or scrolls, its button drags the picture or a
+//! cursor; over a readout, the wheel changes the setting that it shows. A turn up is a larger
+//! value: wheel up zooms in, to fewer volts and seconds a division.
 
 use ratatui::crossterm::event::{KeyModifiers, MouseButton, MouseEvent, MouseEventKind};
 use ratatui::layout::Position;

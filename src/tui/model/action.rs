@@ -16,7 +16,8 @@ pub enum Action {
     Toggle(Popup),
     /// Move the text of a panel; select another row on a page that is a list.
     Scroll(TurnDirection),
-    /// Press a channel's button, counted from 1: selects it and turns it on; if it is selected, turns it off or on.
+    /// Press a channel's button, counted from 1: selects it and turns it on; if it is selected,
+    /// turns it off or on.
     Channel(u8),
     /// The same with any trace.
     Trace(Source),

@@ -1,5 +1,5 @@
-//! Autoset: the first pulses of all traces fill the screen. On a recording the picture changes; on a bench that runs, the scope is set; a
-//! served scope has an autoset of its own.
+//! Autoset: the first pulses of all traces fill the screen. On a recording the picture changes; on
+//! a bench that runs, the scope is set; a served scope has an autoset of its own.
 
 use super::knobs::typed;
 use super::{ScreenState, Visibility};
@@ -7,7 +7,8 @@ use crate::measurement::arrivals::survey;
 use crate::scope::{Source, Waveform};
 use crate::tui::axis::{Steps, ViewWindow, is_spectrum};
 
-/// Most that a trace takes of the eight divisions upward: half a division is left for rounding its position (div).
+/// Most that a trace takes of the eight divisions upward: half a division is left for rounding its
+/// position (div).
 const SWING: f64 = 7.5;
 /// Most that the first pulses take of the ten divisions across (div).
 const PULSES: f64 = 9.0;
@@ -15,7 +16,8 @@ const PULSES: f64 = 9.0;
 const POSITION_STEP: f64 = 0.5;
 /// A clipped trace is larger than it is seen (1).
 const CLIPPED_FACTOR: f64 = 2.0;
-/// Widths of a first pulse before and behind the middle of its rise, between which all of it lies (1).
+/// Widths of a first pulse before and behind the middle of its rise, between which all of it lies
+/// (1).
 const PULSE_WIDTHS: (f64, f64) = (1.0, 2.0);
 
 /// `value` on the next of steps of `step` (unit).
@@ -119,8 +121,8 @@ impl ScreenState {
         })
     }
 
-    /// Sets time base, position, trigger, and each channel's scale and position on the bench's scope, and strikes once. The trigger is at half
-    /// the height of the earliest pulse.
+    /// Sets time base, position, trigger, and each channel's scale and position on the bench's
+    /// scope, and strikes once. The trigger is at half the height of the earliest pulse.
     fn set_the_scope(&mut self, shown: &[Waveform], pulses: Option<FirstPulses>) {
         let Some(scope) = self.scope() else { return };
         let next = |steps: &[f64], least: f64| {

@@ -1,4 +1,5 @@
-//! Background jobs: the comparison, the work-precision study, the ledger of effects. Requests start here; worker threads answer them.
+//! Background jobs: the comparison, the work-precision study, the ledger of effects. Requests start
+//! here; worker threads answer them.
 
 use super::ScreenState;
 use super::state::{JobState, Overlay, Page, Request, StrikeRequest, ordinate_unit};
@@ -89,7 +90,8 @@ impl ScreenState {
         self.compare_again();
     }
 
-    /// Holds another shot against what the last one was held against; without a shot that waits for one.
+    /// Holds another shot against what the last one was held against; without a shot that waits for
+    /// one.
     pub(super) fn compare_again(&mut self) {
         if let (Some(other), Some(_)) = (self.compared_with.clone(), self.shot()) {
             // The other side is sent again until the first answer.
@@ -137,7 +139,8 @@ impl ScreenState {
         self.requests.extend(begins.then_some(request));
     }
 
-    /// Another bench: what was found out about the last one is gone, and what is on screen is asked again.
+    /// Another bench: what was found out about the last one is gone, and what is on screen is asked
+    /// again.
     pub(super) fn invalidate_studies(&mut self) {
         self.questions.study = JobState::Idle;
         self.questions.ledger = JobState::Idle;

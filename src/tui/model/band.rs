@@ -24,7 +24,8 @@ impl ScreenState {
         Some(spectrum.step * spectrum.amplitude.len() as f64)
     }
 
-    /// Lowest and highest frequency on screen, by default up to a little beyond the chain's highest band edge (Hz).
+    /// Lowest and highest frequency on screen, by default up to a little beyond the chain's highest
+    /// band edge (Hz).
     pub fn band(&self) -> Option<(f64, f64)> {
         let sampled = self.highest()?;
         let chain = self.derived.chain.as_ref();

@@ -138,7 +138,8 @@ impl ScreenState {
         Some(half.time_s?.value)
     }
 
-    /// The button went down at a place counted in divisions from the centre: takes hold of the nearer cursor, or of the picture.
+    /// The button went down at a place counted in divisions from the centre: takes hold of the
+    /// nearer cursor, or of the picture.
     pub(super) fn press_at(&mut self, x: f64, y: f64) {
         if self.page != Page::Scope {
             self.grip = self.shows_frequencies().then_some((x, y));

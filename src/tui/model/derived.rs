@@ -1,5 +1,5 @@
-//! Computes spectra, measurements and arrivals for the pages; only those on screen, and only when the input
-//! has changed.
+//! Computes spectra, measurements and arrivals for the pages; only those on screen, and only when
+//! the input has changed.
 
 use super::ScreenState;
 use super::state::{Derived, DerivedKey, MeasurementReading, Page, SidePanel};
@@ -13,7 +13,8 @@ use crate::measurement::metadata::{self, RecordedSensor};
 use crate::scope::Source;
 use crate::trace::Trace;
 
-/// Spectra of records longer than this are made of every second, third, ... sample: a terminal shows no more.
+/// Spectra of records longer than this are made of every second, third, ... sample: a terminal
+/// shows no more.
 const MAX_SPECTRUM_SAMPLES: usize = 20_000;
 
 /// The measurements of the side panel with the names that the instrument's menu gives them.

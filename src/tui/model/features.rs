@@ -1,7 +1,8 @@
 //! Peaks and edges of a trace, for cursors to snap to.
 //!
-//! A peak is the farthest point between two crossings of a band of a tenth of the swing around the baseline, which is the value most
-//! of the record is nearest to, its median; an edge is where the line to such a peak passes half of its height.
+//! A peak is the farthest point between two crossings of a band of a tenth of the swing around the
+//! baseline, which is the value most of the record is nearest to, its median; an edge is where the
+//! line to such a peak passes half of its height.
 
 use crate::scope::Waveform;
 

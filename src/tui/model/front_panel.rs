@@ -1,4 +1,5 @@
-//! The scope's own knobs: on a recording they move the picture, on a running bench they set the scope.
+//! The scope's own knobs: on a recording they move the picture, on a running bench they set the
+//! scope.
 
 use super::ScreenState;
 use super::knobs::{pending, typed};
@@ -193,7 +194,8 @@ impl ScreenState {
         self.set_value(path, (!now).to_string());
     }
 
-    /// The next trigger source: the channels that are on, the external input where something is there, the mains.
+    /// The next trigger source: the channels that are on, the external input where something is
+    /// there, the mains.
     pub(super) fn next_trigger_source(&mut self) {
         if self.bench().is_none() {
             return;
@@ -269,7 +271,8 @@ impl ScreenState {
         }
     }
 
-    /// Changes how the selected trace stands on the screen; back at the recorded setting, nothing is kept.
+    /// Changes how the selected trace stands on the screen; back at the recorded setting, nothing
+    /// is kept.
     pub(super) fn adjust(&mut self, change: impl Fn(&Waveform, Vertical) -> Vertical) {
         let Some(waveform) = self.selected().map(|c| &c.waveform) else {
             return;

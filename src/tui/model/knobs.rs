@@ -39,8 +39,8 @@ enum KnobStep {
 pub struct BenchKnob {
     /// Its label.
     pub label: &'static str,
-    /// Where it stands in a scene; `{}` is the selected channel's sensor. Of a force on top and a magnet's distance, [`Self::path_in`] knows
-    /// the last key.
+    /// Where it stands in a scene; `{}` is the selected channel's sensor. Of a force on top and a
+    /// magnet's distance, [`Self::path_in`] knows the last key.
     path: &'static str,
     /// Unit in which it is typed.
     unit: &'static str,
@@ -268,7 +268,8 @@ pub fn typed(value: f64, unit: &str) -> String {
     format!("{rounded} {unit}").trim_end().to_owned()
 }
 
-/// Default settings of an effect that the scene does not name; none for effects that need more than a number.
+/// Default settings of an effect that the scene does not name; none for effects that need more than
+/// a number.
 fn first_settings(effect: &str) -> Option<&'static [(&'static str, &'static str)]> {
     match effect {
         "gravity" => Some(&[("acceleration", "9.81 m/s^2")]),

@@ -1,4 +1,5 @@
-//! Pages that are lists: effects, hard cases, messages of the remote interface. One row is selected, and stands in full below the list.
+//! Pages that are lists: effects, hard cases, messages of the remote interface. One row is
+//! selected, and stands in full below the list.
 
 use super::ScreenState;
 use super::state::{Page, PrintedTables};
@@ -54,7 +55,8 @@ impl ScreenState {
         };
     }
 
-    /// Messages of the remote interface from the shot before this one to the one after it, in order; `None` stands where this one does.
+    /// Messages of the remote interface from the shot before this one to the one after it, in
+    /// order; `None` stands where this one does.
     pub fn remote_messages(&self) -> Vec<Option<&ScpiLine>> {
         let Some(here) = self.shot().map(|shot| shot.timestamp_ns) else { return Vec::new() };
         let times = || self.set.shots.iter().map(|shot: &Shot| shot.timestamp_ns);

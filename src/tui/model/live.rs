@@ -10,7 +10,8 @@ impl ScreenState {
         self.live.as_ref()
     }
 
-    /// Takes out of the last impact what differs from machine to machine, so that pictures can be compared.
+    /// Takes out of the last impact what differs from machine to machine, so that pictures can be
+    /// compared.
     pub fn clear_wall_time(&mut self) {
         if let Some(summary) = self.live.as_mut().and_then(|live| live.summary.as_mut()) {
             summary.wall_s = 0.0;
@@ -136,7 +137,8 @@ impl ScreenState {
         }
     }
 
-    /// Strikes the chain once, with noise and clock of their own; a scope that is stopped does not see it.
+    /// Strikes the chain once, with noise and clock of their own; a scope that is stopped does not
+    /// see it.
     pub(super) fn impact(&mut self) {
         let Some(live) = self.bench() else { return };
         if live.acquisition == RunState::Stopped {

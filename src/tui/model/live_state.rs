@@ -1,7 +1,7 @@
 //! The live bench: knobs that change a scene, and the scene they make.
 //!
-//! Changed settings are kept as text, `striker.speed = "0.46 m/s"`, on top of the scene that was opened; that text is
-//! simulated, and the same text is what is saved.
+//! Changed settings are kept as text, `striker.speed = "0.46 m/s"`, on top of the scene that was
+//! opened; that text is simulated, and the same text is what is saved.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

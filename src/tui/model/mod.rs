@@ -1,8 +1,8 @@
 //! The state of the screen and its changes by actions; the views read it and change nothing.
 //!
-//! The recording is never touched: scales and positions that the user turns are kept beside it, for each trace,
-//! and shown as different from the recorded ones. The model does no input and no output: what it needs done it leaves as
-//! [`Request`]s, and the answers come back as method calls.
+//! The recording is never touched: scales and positions that the user turns are kept beside it, for
+//! each trace, and shown as different from the recorded ones. The model does no input and no
+//! output: what it needs done it leaves as [`Request`]s, and the answers come back as method calls.
 
 mod accessors;
 mod action;

@@ -47,7 +47,8 @@ impl ScreenState {
         self.notice = Some(format!("in front: {}; dotted: the others", self.title));
     }
 
-    /// Does `work`, which concerns the recording or bench that was opened first, with that in front.
+    /// Does `work`, which concerns the recording or bench that was opened first, with that in
+    /// front.
     pub fn with_first(&mut self, work: impl FnOnce(&mut Self)) {
         let turned = self.in_front;
         while self.in_front != 0 {

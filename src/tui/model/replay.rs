@@ -17,7 +17,8 @@ const PLAYBACK_SPEEDS: (f64, f64) = (1.0 / 64.0, 64.0);
 const PLAYBACK_TIME_SCALE: f64 = 1e-3;
 
 impl ScreenState {
-    /// A recording that is read as it is looked at; shots and facts come as answers. `follow` shows each new shot.
+    /// A recording that is read as it is looked at; shots and facts come as answers. `follow` shows
+    /// each new shot.
     pub fn open_partial_recording(&mut self, follow: bool) {
         self.on_tape = Some(PartialRecording {
             count: 0,
@@ -41,7 +42,8 @@ impl ScreenState {
         }
     }
 
-    /// Takes the index of the recording so far: number of shots, whether it may grow, and its facts.
+    /// Takes the index of the recording so far: number of shots, whether it may grow, and its
+    /// facts.
     pub fn apply_index(&mut self, count: usize, open: bool, facts: TraceSet) {
         let Some(tape) = &mut self.on_tape else { return };
         let grown = count > tape.count;
@@ -83,7 +85,8 @@ impl ScreenState {
         }
     }
 
-    /// What is kept of the shot on screen beside captures and truth, and the messages of the remote interface around it.
+    /// What is kept of the shot on screen beside captures and truth, and the messages of the remote
+    /// interface around it.
     pub fn note_shot(&mut self, shot: &Shot, notes: ShotNotes, lines: Vec<ScpiLine>) {
         self.set.notes = BTreeMap::from([(shot.number, notes)]);
         self.set.lines = lines;

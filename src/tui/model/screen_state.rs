@@ -19,7 +19,8 @@ use crate::tui::axis::ViewWindow;
 #[derive(Debug, Clone)]
 pub struct ScreenState {
     pub(super) set: TraceSet,
-    /// Shots of a recording that is read as it is looked at, and whether there may come more; none where all are in `set`.
+    /// Shots of a recording that is read as it is looked at, and whether there may come more; none
+    /// where all are in `set`.
     pub(super) on_tape: Option<PartialRecording>,
     /// The bench that was recorded, or that is struck.
     pub(super) scene: Option<Scene>,

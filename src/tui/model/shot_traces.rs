@@ -8,7 +8,8 @@ use crate::tui::axis::Steps;
 /// Levels of a force that was turned into a record: as many as sixteen bits have on one side (1).
 const FORCE_LEVELS: f64 = 32000.0;
 
-/// A force as a record: levels of sixteen bits, on a scale that leaves the trace where its volts stood.
+/// A force as a record: levels of sixteen bits, on a scale that leaves the trace where its volts
+/// stood.
 fn as_record(volts: &Capture, forces: &Forces) -> Capture {
     let force = &forces.force;
     let largest = force.values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
@@ -25,7 +26,8 @@ fn as_record(volts: &Capture, forces: &Forces) -> Capture {
     Capture { waveform, ..volts.clone() }
 }
 
-/// The captures of a shot, as forces where `newtons` are asked for; with that, why one of them is not.
+/// The captures of a shot, as forces where `newtons` are asked for; with that, why one of them is
+/// not.
 pub(super) fn shot_traces(
     set: &TraceSet,
     shot: &Shot,

@@ -83,7 +83,8 @@ pub enum Visibility {
     Shown,
     /// It was turned off.
     Off,
-    /// It belongs to another abscissa than the selected trace: a spectrum among signals, or the reverse.
+    /// It belongs to another abscissa than the selected trace: a spectrum among signals, or the
+    /// reverse.
     OtherAxis,
 }
 
@@ -277,7 +278,8 @@ pub struct BackgroundJobs {
     pub ledger: JobState<Box<Ledger>>,
     /// Results of the hard cases.
     pub hard_cases: JobState<Vec<CaseResult>>,
-    /// Lower and upper edge of where 95 % of each channel's traces lie, by what the scene does not know.
+    /// Lower and upper edge of where 95 % of each channel's traces lie, by what the scene does not
+    /// know.
     pub live_bands: JobState<Vec<[Trace; 2]>>,
 }
 
@@ -344,7 +346,8 @@ pub(super) struct PartialRecording {
     pub(super) follow: bool,
     /// Whether it is shown now: not after a step back, until the last shot is shown again.
     pub(super) follows: bool,
-    /// Whether commands said something of the bench, which what is read of the file does not replace.
+    /// Whether commands said something of the bench, which what is read of the file does not
+    /// replace.
     pub(super) is_noted: bool,
 }
 
@@ -359,7 +362,8 @@ pub fn ordinate_unit(waveform: &Waveform) -> &str {
 /// Less than this share of a level is round-off (1).
 const ROUND_OFF: f64 = 1e-9;
 
-/// The value of a trace at an abscissa, along the straight line between two points; none beyond the record (unit).
+/// The value of a trace at an abscissa, along the straight line between two points; none beyond the
+/// record (unit).
 pub fn value_at(waveform: &Waveform, at: f64) -> Option<f64> {
     let place = (at - waveform.time(0)) / waveform.preamble.x_incr;
     if !(place >= 0.0 && place.is_finite()) {

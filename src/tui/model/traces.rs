@@ -32,8 +32,8 @@ impl ScreenState {
         self.derive();
     }
 
-    /// The simulated force at the sensor of `waveform`, on the trace's own axis: as volts by the sensor's sensitivity, or newtons,
-    /// without what pressed before.
+    /// The simulated force at the sensor of `waveform`, on the trace's own axis: as volts by the
+    /// sensor's sensitivity, or newtons, without what pressed before.
     pub fn truth(&self, waveform: &Waveform) -> Option<Trace> {
         if !self.truth {
             return None;

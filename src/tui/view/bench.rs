@@ -1,5 +1,6 @@
-//! The chain in motion, from the truth of a simulated shot: the force in every contact now, the beads where they are, and above them
-//! the same for all times, so that pulses are seen as slanted stripes.
+//! The chain in motion, from the truth of a simulated shot: the force in every contact now, the
+//! beads where they are, and above them the same for all times, so that pulses are seen as slanted
+//! stripes.
 
 use std::cmp::Ordering;
 
@@ -138,7 +139,8 @@ fn contact_at(column: u16, width: u16, count: usize) -> usize {
     usize::from(column) * count / usize::from(width.max(1))
 }
 
-/// All of the film: time downward, the chain to the right, tones by the force that was added. Labels are round times, and the present one.
+/// All of the film: time downward, the chain to the right, tones by the force that was added.
+/// Labels are round times, and the present one.
 fn stripes_of(
     model: &ScreenState,
     film: &Film,
@@ -227,7 +229,8 @@ fn bars_of(model: &ScreenState, film: &Film, now: f64, area: Rect, frame: &mut F
     }
 }
 
-/// The beads: light ones small, those with a sensor numbered below; shifted to where they have moved, a cell for the farthest.
+/// The beads: light ones small, those with a sensor numbered below; shifted to where they have
+/// moved, a cell for the farthest.
 fn beads_of(model: &ScreenState, film: &Film, now: f64, area: Rect, frame: &mut Frame) {
     let width = area.width.saturating_sub(LABEL_COLUMNS);
     let count = film.beads.len();

@@ -1,4 +1,5 @@
-//! The measurement against the simulation: both traces of the selected channel, their difference, and the scores of all.
+//! The measurement against the simulation: both traces of the selected channel, their difference,
+//! and the scores of all.
 
 use ratatui::Frame;
 use ratatui::layout::Rect;

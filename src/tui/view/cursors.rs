@@ -62,7 +62,8 @@ pub(super) fn pointers(model: &ScreenState, layout: &ScreenLayout) -> Vec<Pointe
     pair.iter().enumerate().filter_map(pointer).collect()
 }
 
-/// Writes what the cursors tell in the place of the selected trace's details; whether there was something to tell.
+/// Writes what the cursors tell in the place of the selected trace's details; whether there was
+/// something to tell.
 pub(super) fn readout(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) -> bool {
     let Some(reading) = model.cursor_reading().filter(|_| model.page() == Page::Scope) else {
         return false;

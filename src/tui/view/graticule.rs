@@ -194,7 +194,8 @@ impl Shape for Grid {
     }
 }
 
-/// Places of the marks along an axis: five a division as on the instrument, fewer where dots would touch.
+/// Places of the marks along an axis: five a division as on the instrument, fewer where dots would
+/// touch.
 fn marks(dots: u16, divisions: u16) -> Vec<u16> {
     let each = (dots / MIN_DOT_SPACING).clamp(1, TICKS_PER_DIVISION);
     (0..=divisions * each).map(|mark| mark * dots / each).collect()

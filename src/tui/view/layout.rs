@@ -1,7 +1,8 @@
 //! Where everything stands on the terminal.
 //!
-//! A graticule's division is a whole number of dots in both directions, so that division lines are exact and
-//! a trace at 2 divisions lies on the line of 2 divisions. A cell has 2 dots across and 4 up.
+//! A graticule's division is a whole number of dots in both directions, so that division lines are
+//! exact and a trace at 2 divisions lies on the line of 2 divisions. A cell has 2 dots across and 4
+//! up.
 
 use ratatui::layout::Rect;
 

@@ -1,5 +1,5 @@
-//! Pages that are lists: effects and hard cases as the commands of these names print them, and the messages of the remote interface around
-//! a shot. The selected row stands below in full.
+//! Pages that are lists: effects and hard cases as the commands of these names print them, and the
+//! messages of the remote interface around a shot. The selected row stands below in full.
 
 use ratatui::Frame;
 use ratatui::layout::Rect;
@@ -66,7 +66,8 @@ fn done<'a, T>(
     }
 }
 
-/// A printed table in three parts: lines before the row of the first name, the rows, lines after that of the last name.
+/// A printed table in three parts: lines before the row of the first name, the rows, lines after
+/// that of the last name.
 fn parts(printed: &str, names: &[&str]) -> List {
     let is_row = |line: &str, name: &str| {
         line.trim_start()

@@ -30,7 +30,8 @@ pub(super) fn wrapped(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// Text in a frame over the screen, as large as it needs and the terminal allows, from the line `first` on.
+/// Text in a frame over the screen, as large as it needs and the terminal allows, from the line
+/// `first` on.
 pub(super) fn panel(first: usize, title: &str, lines: Vec<Line>, frame: &mut Frame) {
     let area = frame.area();
     let widest = lines.iter().map(Line::width).max().unwrap_or(0);

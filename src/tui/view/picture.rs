@@ -1,6 +1,7 @@
 //! A screen as a picture: the terminal's cells as an SVG.
 //!
-//! Braille and block characters are drawn, not written, so that the picture is the same with every font.
+//! Braille and block characters are drawn, not written, so that the picture is the same with every
+//! font.
 
 use std::fmt::Write as _;
 

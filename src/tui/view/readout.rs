@@ -1,7 +1,7 @@
 //! Readings of the traces below the picture, after the instrument's own.
 //!
-//! A star stands behind every scale that is not the recorded one. Lines that are too long for the terminal
-//! leave out what matters least.
+//! A star stands behind every scale that is not the recorded one. Lines that are too long for the
+//! terminal leave out what matters least.
 
 use ratatui::Frame;
 use ratatui::layout::Rect;

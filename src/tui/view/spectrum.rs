@@ -1,4 +1,5 @@
-//! The pages over frequency: the selected trace's spectrum with the chain's band edges, and how it changes with time.
+//! The pages over frequency: the selected trace's spectrum with the chain's band edges, and how it
+//! changes with time.
 
 use ratatui::Frame;
 use ratatui::layout::Rect;
@@ -20,7 +21,8 @@ const DECIBELS_PER_TONE: f64 = 10.0;
 /// Tones of the map, from little to much.
 const TONES: [&str; 5] = [" ", "░", "▒", "▓", "█"];
 
-/// The name of the signal, and the band edges; `what` it is in the words that fit into `width` columns.
+/// The name of the signal, and the band edges; `what` it is in the words that fit into `width`
+/// columns.
 fn heading(model: &ScreenState, what: [&str; 2], width: u16) -> Line<'static> {
     let [long, short] = what.map(|what| heading_of(model, what));
     if long.width() <= usize::from(width) { long } else { short }

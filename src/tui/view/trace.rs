@@ -1,7 +1,8 @@
-//! From a record to dots: for each column of dots the highest and the lowest point that the trace passes.
+//! From a record to dots: for each column of dots the highest and the lowest point that the trace
+//! passes.
 //!
-//! The line through all points is followed, so that no spike between two columns is lost and few points are
-//! still joined. The cost is one pass over the record and one over the columns.
+//! The line through all points is followed, so that no spike between two columns is lost and few
+//! points are still joined. The cost is one pass over the record and one over the columns.
 
 use std::ops::Range;
 
@@ -49,7 +50,8 @@ fn column(x: f64) -> i64 {
     x.round() as i64
 }
 
-/// The spans of `waveform`, one a column; only points on the screen and one to either side are looked at.
+/// The spans of `waveform`, one a column; only points on the screen and one to either side are
+/// looked at.
 pub(super) fn spans(waveform: &Waveform, projection: &Projection) -> Vec<Span> {
     let incr = waveform.preamble.x_incr;
     let seen = seen(waveform.time(0), incr, waveform.codes.len(), projection);

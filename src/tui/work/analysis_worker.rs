@@ -133,7 +133,8 @@ fn predicted(scene: &str) -> Result<UncertainPrediction, String> {
         .map_err(|error| with_reasons(&error))
 }
 
-/// The measurement is the one that was measured; of two of a kind, the one on screen, unless that is a bench.
+/// The measurement is the one that was measured; of two of a kind, the one on screen, unless that
+/// is a bench.
 fn compared(asked: &ComparisonRequest, other: &Other) -> Result<Compared, String> {
     let first = |set: &TraceSet, name: &str| -> Result<Shot, String> {
         set.shots.first().cloned().ok_or_else(|| format!("{name}: found no shots"))

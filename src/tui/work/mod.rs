@@ -1,5 +1,6 @@
-//! The threads behind the screen: one reads the recording or watches a served scope, one strikes the bench, one computes its bands, two answer long questions.
-//! All they say goes through one channel to the screen's loop, and so do the terminal's events.
+//! The threads behind the screen: one reads the recording or watches a served scope, one strikes
+//! the bench, one computes its bands, two answer long questions. All they say goes through one
+//! channel to the screen's loop, and so do the terminal's events.
 
 mod analysis_worker;
 mod news;
@@ -30,7 +31,8 @@ use analysis_worker::{ComparisonRequest, StudyRequest};
 /// How often it is looked whether the terminal is still there.
 const TERMINAL_POLL_INTERVAL: Duration = Duration::from_millis(500);
 
-/// Starts a thread that does `work` for each order and sends events; it ends when all senders of orders are dropped.
+/// Starts a thread that does `work` for each order and sends events; it ends when all senders of
+/// orders are dropped.
 fn worker<Order: Send + 'static>(
     news: &Sender<ScreenEvent>,
     mut work: impl FnMut(Order, &Receiver<Order>, &Sender<ScreenEvent>) + Send + 'static,
@@ -61,7 +63,8 @@ pub struct Workers {
 }
 
 impl Workers {
-    /// Starts the threads; a recording that is read as it is looked at comes as `recording`, and may be followed.
+    /// Starts the threads; a recording that is read as it is looked at comes as `recording`, and
+    /// may be followed.
     pub fn start(
         recording: Option<IndexedRecording>,
         follow: bool,

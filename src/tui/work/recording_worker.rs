@@ -1,4 +1,5 @@
-//! Reads a recording on its own thread: shots that are asked for first, the rest of the file in between.
+//! Reads a recording on its own thread: shots that are asked for first, the rest of the file in
+//! between.
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::thread;
@@ -33,7 +34,8 @@ struct Player {
     news: Sender<ScreenEvent>,
     /// When it was last told how much there is, and what.
     told: Option<(Instant, usize, ReadState)>,
-    /// The shot that was brought last, and of how many pieces of the file it and the messages around it were made.
+    /// The shot that was brought last, and of how many pieces of the file it and the messages
+    /// around it were made.
     brought: Option<(usize, [usize; 2])>,
 }
 
@@ -78,8 +80,8 @@ impl Player {
         self.news.send(news).map_err(|_| Disconnected)
     }
 
-    /// The shot on screen again, where more of it has come since: its last pieces may not have been written yet. Messages around it are
-    /// waited for until an end is reached.
+    /// The shot on screen again, where more of it has come since: its last pieces may not have been
+    /// written yet. Messages around it are waited for until an end is reached.
     fn load_rest(&mut self, end: ReadState) -> Result<(), Disconnected> {
         let Some((place, [pieces, lines])) = self.brought else { return Ok(()) };
         let has_lines = || end != ReadState::More && self.tape.line_pieces(place) != lines;
@@ -104,7 +106,8 @@ impl Player {
         }
     }
 
-    /// Tells how much there is: the first shot at once, then now and then, and whenever an end is reached.
+    /// Tells how much there is: the first shot at once, then now and then, and whenever an end is
+    /// reached.
     fn report_progress(&mut self, end: ReadState) -> Result<(), Disconnected> {
         let count = self.tape.shots();
         let due = match self.told {

@@ -13,7 +13,8 @@ use crate::recording::{TraceSet, mcap, tek_csv};
 use crate::tui::model::ScreenState;
 use crate::tui::view::{self, picture};
 
-/// Writes the model to `file` by its ending, or to the next free number where that exists; tells what was written, or why nothing was.
+/// Writes the model to `file` by its ending, or to the next free number where that exists; tells
+/// what was written, or why nothing was.
 ///
 /// # Errors
 /// Why it cannot be saved, as a message.

@@ -1,8 +1,10 @@
-//! Watches a scope that is served somewhere else, over its raw socket, and passes on what is turned on the screen.
+//! Watches a scope that is served somewhere else, over its raw socket, and passes on what is turned
+//! on the screen.
 //!
-//! A few short queries ten times a second tell whether there is anything new; only then set-up and records are asked for. The
-//! settings of the transfer (`DATa`) are everybody's: they are set, used and put back within one message, which the instrument
-//! carries out as a whole, so that no other client reads a curve that it did not ask for.
+//! A few short queries ten times a second tell whether there is anything new; only then set-up and
+//! records are asked for. The settings of the transfer (`DATa`) are everybody's: they are set, used
+//! and put back within one message, which the instrument carries out as a whole, so that no other
+//! client reads a curve that it did not ask for.
 
 mod snapshot;
 
@@ -106,7 +108,8 @@ impl ServedConnection {
     }
 }
 
-/// Whether a bench stands behind the scope. Only a socket may have one; a scope without one answers the second query alone, or nothing.
+/// Whether a bench stands behind the scope. Only a socket may have one; a scope without one answers
+/// the second query alone, or nothing.
 fn has_bench(client: &mut Client) -> io::Result<bool> {
     if !matches!(client.address(), Address::Socket(_)) {
         return Ok(false);
@@ -212,7 +215,8 @@ impl ServedWorker {
         Ok((!same).then_some(heard))
     }
 
-    /// Adds what is shown to the recording; one that cannot be written ends, and the screen goes on.
+    /// Adds what is shown to the recording; one that cannot be written ends, and the screen goes
+    /// on.
     fn record(&mut self, set: &TraceSet, set_up: &str) {
         let (Some(recorder), Some(shot)) = (&mut self.scope.recorder, set.shots.first()) else {
             return;

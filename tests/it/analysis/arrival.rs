@@ -1,4 +1,5 @@
-//! Arrivals, widths and delays of pulses whose shape is known in closed form, with and without noise.
+//! Arrivals, widths and delays of pulses whose shape is known in closed form, with and without
+//! noise.
 
 use hertzscope::analysis::arrival::Estimator;
 use hertzscope::analysis::correlation::delay;
@@ -35,9 +36,10 @@ fn found(pulse: &Pulse, estimator: Estimator) -> Uncertain {
     pulse.arrival(estimator).expect("an arrival")
 }
 
-/// Without noise what remains is the shape: the Gaussian's first neglected term over the samples taken moves no crossing by more
-/// than 0.05 us (the fifth over a third of sigma on either side), the place of steepest rise by no more than 0.25 us (the sixth
-/// over 0.9 sigma), and the peak not at all, by symmetry.
+/// Without noise what remains is the shape: the Gaussian's first neglected term over the samples
+/// taken moves no crossing by more than 0.05 us (the fifth over a third of sigma on either side),
+/// the place of steepest rise by no more than 0.25 us (the sixth over 0.9 sigma), and the peak not
+/// at all, by symmetry.
 #[test]
 fn gaussian_without_noise() {
     for shift in [0.0, 0.2e-6, 0.5e-6, 0.9e-6] {
@@ -93,7 +95,8 @@ fn noisy(trace: &Trace, rms: f64, level: f64, seed: u64) -> Trace {
     noisy
 }
 
-/// How often twice the stated uncertainty covers the truth, and the root mean square of error over uncertainty.
+/// How often twice the stated uncertainty covers the truth, and the root mean square of error over
+/// uncertainty.
 struct Coverage {
     inside: usize,
     squares: f64,
@@ -112,8 +115,9 @@ impl Coverage {
         coverage
     }
 
-    /// 95.45 % are expected; of 400 independent draws fewer than 92.3 % come once in a thousand times. Stating too much is
-    /// no virtue either: errors must be at least a third of what is stated.
+    /// 95.45 % are expected; of 400 independent draws fewer than 92.3 % come once in a thousand
+    /// times. Stating too much is no virtue either: errors must be at least a third of what is
+    /// stated.
     fn check(&self, what: &str) {
         let share = self.inside as f64 / self.count as f64;
         let ratio = (self.squares / self.count as f64).sqrt();
@@ -140,7 +144,8 @@ fn gaussian_in_noise_is_covered() {
             let pairs: Vec<_> = pairs
                 .filter_map(|(s, p)| Some((p.arrival(estimator)?, exact(estimator, centre(s)))))
                 .collect();
-            // Now and then noise leaves a rise without a steepest place, and the answer is that there is none.
+            // Now and then noise leaves a rise without a steepest place, and the answer is that
+            // there is none.
             assert!(pairs.len() as u64 >= draws * 98 / 100, "{estimator}: {}", pairs.len());
             Coverage::of(pairs.into_iter()).check(&format!("{estimator} at {rms}"));
         }
@@ -155,8 +160,8 @@ fn gaussian_in_noise_is_covered() {
     }
 }
 
-/// Rounding without noise: errors of neighbours go together, and the statement must know it. Pulses whose height, zero and place
-/// fall differently between the levels stand for the draws.
+/// Rounding without noise: errors of neighbours go together, and the statement must know it. Pulses
+/// whose height, zero and place fall differently between the levels stand for the draws.
 #[test]
 fn levels_without_noise_are_covered() {
     let level = 0.03;
@@ -179,7 +184,8 @@ fn levels_without_noise_are_covered() {
     }
 }
 
-/// A force that jumps to 1 N and stays: the sensor's voltage is `S exp(-t/tau)`, and the force comes back.
+/// A force that jumps to 1 N and stays: the sensor's voltage is `S exp(-t/tau)`, and the force
+/// comes back.
 #[test]
 fn droop_is_undone() {
     let tau = 1e-3;

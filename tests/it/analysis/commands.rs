@@ -20,7 +20,8 @@ fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")
 }
 
-/// The shipped recording of gravity-0.61g: speeds from 14 to 27 as two other solvers have them, 136.2 and 129.4 m/s, rounded.
+/// The shipped recording of gravity-0.61g: speeds from 14 to 27 as two other solvers have them,
+/// 136.2 and 129.4 m/s, rounded.
 #[test]
 fn speeds_of_the_shipped_recording() {
     let surveys = json(&["arrivals", "recordings/gravity-0.61g.mcap", "--json"]);
@@ -114,7 +115,8 @@ fn spectrogram_of_the_linear_chain() {
     let over_all = |low, high| columns.iter().map(|c| highest(c, low, high)).fold(0.0, f64::max);
     let (gap, passing) = (over_all(9.2e3, 12.1e3), over_all(0.0, 7.1e3));
     assert!(gap < 0.01 * passing, "{gap} {passing}");
-    // Nothing is there before the slowest 100 half cells at 157 m/s are through: 393 mm of them take 2.5 ms.
+    // Nothing is there before the slowest 100 half cells at 157 m/s are through: 393 mm of them
+    // take 2.5 ms.
     let early: Vec<&Value> = columns
         .iter()
         .zip(found["times_s"].as_array().expect("times"))

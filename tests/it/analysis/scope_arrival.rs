@@ -1,4 +1,5 @@
-//! Arrivals read from simulated scope records, with noise, eight bits and droop, against the exact ones of the same run.
+//! Arrivals read from simulated scope records, with noise, eight bits and droop, against the exact
+//! ones of the same run.
 
 use hertzscope::analysis::arrival::Estimator;
 use hertzscope::analysis::pulse::{Conditions, Pulse};
@@ -59,8 +60,8 @@ fn errors(scene: &Scene, outcome: &Outcome) -> Vec<Deviation> {
     errors
 }
 
-/// 200 records of a scene: every estimator of every channel must cover the truth as often as it says. Of 200 draws with 95.45 %
-/// each, fewer than 90.5 % come less than once in a thousand times.
+/// 200 records of a scene: every estimator of every channel must cover the truth as often as it
+/// says. Of 200 draws with 95.45 % each, fewer than 90.5 % come less than once in a thousand times.
 fn covered(name: &str, places: usize) {
     let mut scene = Scene::load(name).expect("a shipped scene");
     let mut all = Vec::new();

@@ -1,4 +1,5 @@
-//! What eight bits and droop do to the spectra of the paper's scenes: simulated scope traces against the forces behind them.
+//! What eight bits and droop do to the spectra of the paper's scenes: simulated scope traces
+//! against the forces behind them.
 
 use std::f64::consts::TAU;
 
@@ -9,8 +10,8 @@ use hertzscope::experiment::{Integration, run};
 use hertzscope::scene::Scene;
 use hertzscope::trace::Trace;
 
-/// Trace of the sensor at CH1, CH2 or CH3, particle 2, 14 or 27, in newtons: as captured, with its droop undone, and the truth on
-/// the same times; a level (N), and the time constant (s).
+/// Trace of the sensor at CH1, CH2 or CH3, particle 2, 14 or 27, in newtons: as captured, with its
+/// droop undone, and the truth on the same times; a level (N), and the time constant (s).
 fn signals(name: &str, place: usize) -> (Trace, Trace, Trace, [f64; 2]) {
     let scene = Scene::load(name).expect("a shipped scene");
     let outcome = run(&scene, Integration::Accuracy(1e-4), 1, &mut |_| ()).expect("a run");
@@ -44,8 +45,9 @@ fn spectrum(trace: &Trace) -> Spectrum {
         .expect("a spectrum")
 }
 
-/// What droop and digitising may change in the coefficient at `frequency`: droop takes away `d(t)`, slow, whose transform is at most
-/// its end and all its changes over `2 pi f T`; samples' noise, 0.02 div and the rounding of a level, is averaged over the record.
+/// What droop and digitising may change in the coefficient at `frequency`: droop takes away `d(t)`,
+/// slow, whose transform is at most its end and all its changes over `2 pi f T`; samples' noise,
+/// 0.02 div and the rounding of a level, is averaged over the record.
 fn allowed(seen: &Trace, restored: &Trace, frequency: f64, level: f64) -> f64 {
     let taken: Vec<f64> = restored.values.iter().zip(&seen.values).map(|(r, s)| r - s).collect();
     let changes: f64 = taken.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum();
@@ -54,9 +56,10 @@ fn allowed(seen: &Trace, restored: &Trace, frequency: f64, level: f64) -> f64 {
     slow + 5.0 * noise
 }
 
-/// The highest coefficient above 2.5 kHz stays where it is and as high as it was, to what droop and digitising may do. The mean,
-/// which is what the pulse carries on the whole, does not: droop is a high-pass with its corner at 1/(2 pi tau), 157 Hz, and leaves what
-/// its own equation tells; undoing the droop brings it back.
+/// The highest coefficient above 2.5 kHz stays where it is and as high as it was, to what droop and
+/// digitising may do. The mean, which is what the pulse carries on the whole, does not: droop is a
+/// high-pass with its corner at 1/(2 pi tau), 157 Hz, and leaves what its own equation tells;
+/// undoing the droop brings it back.
 #[test]
 fn lines_stay_and_the_mean_goes() {
     let scenes = ["magnet-0.61g", "magnet-2.75g", "magnet-17.81g", "gravity-0.61g"];
@@ -83,7 +86,8 @@ fn lines_stay_and_the_mean_goes() {
             (amplitude_seen - amplitude).abs() < allowed,
             "{name} {place}: {amplitude_seen} {amplitude}"
         );
-        // V' + V/tau = S N', summed over the gate: droop leaves of the mean what its own time constant tells.
+        // V' + V/tau = S N', summed over the gate: droop leaves of the mean what its own time
+        // constant tells.
         let gate = Gate { from: -100e-6, to: 1400e-6 }.range(&truth);
         let (first, last) = (gate.start, gate.end - 1);
         let taken = |i: usize| truth.values[i] - seen.values[i];

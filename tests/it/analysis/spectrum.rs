@@ -22,10 +22,12 @@ pub fn sampled(samples: usize, interval: f64, signal: impl Fn(f64) -> f64) -> Tr
 
 /// Sines anywhere between bins: their frequency to a hundredth of the resolution, and their height.
 ///
-/// The line of a sine is the window's transform; by its Taylor series the parabola through logarithms is off by less than 1e-3
-/// of a fifth of a bin, and the line of the negative frequency, 100 resolutions away or more, adds at most 1/(pi 200) of its
-/// height with no window, far less with one; 1/(100 pi) of the height moves a rectangular window's top by 0.01 resolutions. A flat
-/// top has no point: within half a resolution of its middle it is high and low in turn, by 0.05 % at most.
+/// The line of a sine is the window's transform; by its Taylor series the parabola through
+/// logarithms is off by less than 1e-3 of a fifth of a bin, and the line of the negative frequency,
+/// 100 resolutions away or more, adds at most 1/(pi 200) of its height with no window, far less
+/// with one; 1/(100 pi) of the height moves a rectangular window's top by 0.01 resolutions. A flat
+/// top has no point: within half a resolution of its middle it is high and low in turn, by 0.05 %
+/// at most.
 #[test]
 fn sines_between_bins() {
     let (samples, interval) = (4000, 1e-6);
@@ -51,7 +53,8 @@ fn sines_between_bins() {
     }
 }
 
-/// A pulse and its echo after 1.37 ms: `|X|` is that of one pulse times `2 |cos(pi f 1.37 ms)|`, whose maxima are 730 Hz apart, and all are listed.
+/// A pulse and its echo after 1.37 ms: `|X|` is that of one pulse times `2 |cos(pi f 1.37 ms)|`,
+/// whose maxima are 730 Hz apart, and all are listed.
 #[test]
 fn lines_of_a_pulse_and_its_echo_are_all_listed() {
     let pulse = |t: f64| (-(t / 20e-6).powi(2)).exp();
@@ -68,7 +71,8 @@ fn lines_of_a_pulse_and_its_echo_are_all_listed() {
     }
 }
 
-/// A sine on a bin: `|X|/M` is half its amplitude there, exactly, and zero on all bins a multiple of the padding away.
+/// A sine on a bin: `|X|/M` is half its amplitude there, exactly, and zero on all bins a multiple
+/// of the padding away.
 #[test]
 fn a_sine_on_a_bin_has_half_its_amplitude() {
     let trace = sampled(1000, 1e-3, |t| 2.0 * (TAU * 40.0 * t).cos() + 0.25);
@@ -105,8 +109,9 @@ fn coefficients_are_the_papers_sum() {
     assert_eq!(spectrum.amplitude.len(), 18);
 }
 
-/// `A exp(-t/tau)`: the sampled sum is a geometric series, `A dt/|1 - r exp(-i w dt)|`, and `A tau/sqrt(1 + (w tau)^2)` to second
-/// order in the interval once half of the first sample, the jump, is accounted for.
+/// `A exp(-t/tau)`: the sampled sum is a geometric series, `A dt/|1 - r exp(-i w dt)|`, and
+/// `A tau/sqrt(1 + (w tau)^2)` to second order in the interval once half of the first sample, the
+/// jump, is accounted for.
 #[test]
 fn exponential_pulse() {
     let (samples, interval, tau) = (40_000, 1e-6, 1e-3);
@@ -129,8 +134,8 @@ fn exponential_pulse() {
     }
 }
 
-/// A Gaussian pulse: its transform is Gaussian, `A sigma sqrt(2 pi) exp(-(w sigma)^2/2)`; the sampled sum differs by less than
-/// `exp(-2 (pi sigma/dt)^2)`, nothing (Poisson's summation).
+/// A Gaussian pulse: its transform is Gaussian, `A sigma sqrt(2 pi) exp(-(w sigma)^2/2)`; the
+/// sampled sum differs by less than `exp(-2 (pi sigma/dt)^2)`, nothing (Poisson's summation).
 #[test]
 fn gaussian_pulse() {
     let (samples, interval, sigma) = (2000, 1e-6, 40e-6_f64);
@@ -151,7 +156,8 @@ fn noise(samples: usize) -> Trace {
     Trace { name: "noise".into(), unit: "V".into(), start: 0.0, interval: 2e-6, values }
 }
 
-/// Parseval: the density's squares add up to the mean square of the windowed record, for odd and even lengths, padded or not.
+/// Parseval: the density's squares add up to the mean square of the windowed record, for odd and
+/// even lengths, padded or not.
 #[test]
 fn density_keeps_the_mean_square() {
     for samples in [1000, 1001] {
@@ -180,7 +186,8 @@ fn density_keeps_the_mean_square() {
     }
 }
 
-/// White noise of 1 V rms up to half of 500 kHz has the density 1/sqrt(250 kHz): mean power over 20,000 bins to 5 deviations.
+/// White noise of 1 V rms up to half of 500 kHz has the density 1/sqrt(250 kHz): mean power over
+/// 20,000 bins to 5 deviations.
 #[test]
 fn density_of_white_noise() {
     let trace = noise(40_000);
@@ -194,7 +201,8 @@ fn density_of_white_noise() {
         let spectrum = Analyser::new().spectrum(&trace, &settings).expect("a spectrum");
         let bins = &spectrum.amplitude[10..19_990];
         let mean: f64 = bins.iter().map(|s| s * s).sum::<f64>() / bins.len() as f64;
-        // Powers scatter by as much as they are high; a window makes about 4 neighbours one at most.
+        // Powers scatter by as much as they are high; a window makes about 4 neighbours one at
+        // most.
         assert!((mean * 250e3 - 1.0).abs() < 5.0 * (4.0 / 20_000f64).sqrt(), "{window}: {mean}");
     }
 }

@@ -1,4 +1,5 @@
-//! What the paper reads from its Figs 4 to 10: forces and spectra in its convention, by the numbers of independent calculations.
+//! What the paper reads from its Figs 4 to 10: forces and spectra in its convention, by the numbers
+//! of independent calculations.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -14,7 +15,8 @@ use hertzscope::trace::Trace;
 
 use crate::chains::NEVER;
 
-/// Dynamic forces at particles, plates at the offset told, from the first contact on, every microsecond.
+/// Dynamic forces at particles, plates at the offset told, from the first contact on, every
+/// microsecond.
 fn forces(scene: &Scene, places: &[(usize, f64)], length: f64) -> Vec<Trace> {
     let probes: Vec<ForceProbe> = places
         .iter()
@@ -52,7 +54,8 @@ fn first_peak(force: &[f64]) -> f64 {
     top.expect("a peak")[1]
 }
 
-/// Figs 4 (e) and 6 (e): the first pulse inside particle 11, and the mean of both particles of cell 6; 0.006 and 0.65 N in the paper.
+/// Figs 4 (e) and 6 (e): the first pulse inside particle 11, and the mean of both particles of cell
+/// 6; 0.006 and 0.65 N in the paper.
 #[test]
 fn pulses_of_figures_4_and_6() {
     // Values, each with half of its last digit.
@@ -77,7 +80,8 @@ static NONLINEAR: LazyLock<BTreeMap<&str, Trace>> = LazyLock::new(|| {
     ["contact12", "p5", "p11", "p101"].into_iter().zip(found).collect()
 });
 
-/// Fig. 6: the source is inside the gap, at 11 kHz as in Fig. 4; 10 particles on, next to nothing of it is left there.
+/// Fig. 6: the source is inside the gap, at 11 kHz as in Fig. 4; 10 particles on, next to nothing
+/// of it is left there.
 #[test]
 fn the_nonlinear_source_stays_at_the_surface_too() {
     let source = highest(&spectrum(&NONLINEAR["contact12"], 0.0, 15e-3), 1e3, 20e3);
@@ -90,8 +94,9 @@ fn the_nonlinear_source_stays_at_the_surface_too() {
     assert!(gap.1 < 0.25 * acoustic.1, "{gap:?} {acoustic:?}");
 }
 
-/// Fig. 7 (b): before 7 ms everything is below the gap; from 7 to 12 ms there is a line at either edge of the gap and nothing in it. Of the
-/// paper's component at 3 kHz 1.8 % of the main line is there.
+/// Fig. 7 (b): before 7 ms everything is below the gap; from 7 to 12 ms there is a line at either
+/// edge of the gap and nothing in it. Of the paper's component at 3 kHz 1.8 % of the main line is
+/// there.
 #[test]
 fn figure_7_has_no_line_at_3_khz() {
     let early = spectrum(&NONLINEAR["p101"], 0.0, 7e-3);
@@ -105,15 +110,17 @@ fn figure_7_has_no_line_at_3_khz() {
     assert!(optical.0 > 14.1e3 && optical.1 > 3.0 * gap.1, "{optical:?} {gap:?}");
     let share = third / main.1;
     assert!((share - 0.018).abs() < 0.0005, "{share}");
-    // What there is are the gate's side lobes, a resolution apart and rising evenly: no line among them.
+    // What there is are the gate's side lobes, a resolution apart and rising evenly: no line among
+    // them.
     let tops: Vec<f64> = (0..8)
         .map(|i| highest(&late, 2e3 + 200.0 * f64::from(i), 2.2e3 + 200.0 * f64::from(i)).1)
         .collect();
     assert!(tops.windows(2).all(|w| w[1] > w[0] && w[1] < 1.1 * w[0]), "{tops:?}");
 }
 
-/// Figs 8 to 10 (d), table scenes of 2 ms: what the sensor in particle 2 sees of the gap is gone on the way to 14 and 27; the main part
-/// within the gap is at 7.7 kHz in Fig. 9 (d) and at 8.4 kHz in Fig. 10 (d), here to what a record of 2 ms can tell.
+/// Figs 8 to 10 (d), table scenes of 2 ms: what the sensor in particle 2 sees of the gap is gone on
+/// the way to 14 and 27; the main part within the gap is at 7.7 kHz in Fig. 9 (d) and at 8.4 kHz in
+/// Fig. 10 (d), here to what a record of 2 ms can tell.
 #[test]
 fn figures_8_to_10() {
     for (name, printed) in

@@ -1,4 +1,5 @@
-//! The paper's linear chain: spectra of Figs 4 and 5 against the goldens, whose samples are 1 us apart from the kick on.
+//! The paper's linear chain: spectra of Figs 4 and 5 against the goldens, whose samples are 1 us
+//! apart from the kick on.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,9 +16,10 @@ use serde_json::Value;
 
 use crate::chains::NEVER;
 
-/// Length of the record and interval of the golden's samples (s): `N/M = 5` and bins 40/3 Hz apart leave `M dt` = 15 ms; of the
-/// intervals from 0.25 to 10 us, with the first sample at the kick or one later, only 1 us from the kick reproduces the golden
-/// (to 1e-13 from the chain's 600 normal modes, computed apart from this program).
+/// Length of the record and interval of the golden's samples (s): `N/M = 5` and bins 40/3 Hz apart
+/// leave `M dt` = 15 ms; of the intervals from 0.25 to 10 us, with the first sample at the kick or
+/// one later, only 1 us from the kick reproduces the golden (to 1e-13 from the chain's 600 normal
+/// modes, computed apart from this program).
 const RECORD: (f64, f64) = (15e-3, 1e-6);
 
 /// Dynamic forces at the golden's places, particle and offset of the plate.
@@ -66,9 +68,10 @@ fn spectrum(name: &str, from: f64, to: f64) -> Spectrum {
     Analyser::new().spectrum(&FORCES[name], &settings).expect("a spectrum")
 }
 
-/// All bins and bands that the golden names. The integrator holds each step to 1e-14 of the state, and errors of a linear chain
-/// do not grow: forces are good to about 1e-12 of the kick's largest, 0.03 N, and so is every coefficient, a mean of forces.
-/// 3e-14 N is 1e-6 of the smallest coefficient that is compared and 1e-9 of the paper's lines.
+/// All bins and bands that the golden names. The integrator holds each step to 1e-14 of the state,
+/// and errors of a linear chain do not grow: forces are good to about 1e-12 of the kick's largest,
+/// 0.03 N, and so is every coefficient, a mean of forces. 3e-14 N is 1e-6 of the smallest
+/// coefficient that is compared and 1e-9 of the paper's lines.
 #[test]
 fn figures_4_and_5_meet_the_golden() {
     let golden = golden();
@@ -93,23 +96,24 @@ fn figures_4_and_5_meet_the_golden() {
     }
 }
 
-/// The paper's reading: the kick excites the gap's surface mode at 11,212 Hz, amplitude 0.02852 N in the first contact, and 10
-/// particles on it is gone from the spectrum.
+/// The paper's reading: the kick excites the gap's surface mode at 11,212 Hz, amplitude 0.02852 N
+/// in the first contact, and 10 particles on it is gone from the spectrum.
 #[test]
 fn the_source_stays_at_the_surface() {
     let source = spectrum("contact12", 0.0, RECORD.0);
     let peaks = source.peaks(0.5);
     assert_eq!(peaks.len(), 1);
     assert!((peaks[0].frequency - 11_211.764977854513).abs() < peaks[0].bound);
-    // A lasting sine makes a line half as high; what else rings in the first contact, 0.2 % of it, may lie under the line.
+    // A lasting sine makes a line half as high; what else rings in the first contact, 0.2 % of it,
+    // may lie under the line.
     assert!((peaks[0].amplitude / (0.5 * 0.028_524_171_8) - 1.0).abs() < 3e-3);
     let inside = spectrum("p11", 0.0, RECORD.0);
     let (_, left) = inside.highest_between(8000.0, 13_500.0).expect("bins in the gap");
     assert!(left < 1e-3 * peaks[0].amplitude);
 }
 
-/// Fig. 5 (b): particle 101 up to 7 ms, and from 7 to 12 ms, where the golden names the highest bin of each band, its lower edge
-/// not included.
+/// Fig. 5 (b): particle 101 up to 7 ms, and from 7 to 12 ms, where the golden names the highest bin
+/// of each band, its lower edge not included.
 #[test]
 fn gated_spectra_of_figure_5_meet_the_golden() {
     let golden = golden();

@@ -9,7 +9,8 @@ use hertzscope::analysis::time_frequency::{Pieces, Spectrogram, SpectrogramError
 
 use super::spectrum::sampled;
 
-/// A chirp's frequency is `f0 + rate t`: each piece's top is the frequency at its middle, by symmetry, to a bin.
+/// A chirp's frequency is `f0 + rate t`: each piece's top is the frequency at its middle, by
+/// symmetry, to a bin.
 #[test]
 fn a_chirps_ridge_is_its_frequency() {
     let (start, rate) = (5e3, 2e6);
@@ -24,8 +25,9 @@ fn a_chirps_ridge_is_its_frequency() {
     }
 }
 
-/// Two lines at the edges of a gap: pieces made for it leave it dark but for the window's side lobes, 31 dB below (Harris 1978, Table 1).
-/// A sixteenth of this record would blur the lines into one.
+/// Two lines at the edges of a gap: pieces made for it leave it dark but for the window's side
+/// lobes, 31 dB below (Harris 1978, Table 1). A sixteenth of this record would blur the lines into
+/// one.
 #[test]
 fn pieces_show_the_gap() {
     let (f1, f2) = (7.1e3, 14.2e3);

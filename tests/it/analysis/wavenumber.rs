@@ -1,4 +1,5 @@
-//! Waves in the plane of frequency and wavenumber: made up, of the linear chain on its dispersion relation, and the command.
+//! Waves in the plane of frequency and wavenumber: made up, of the linear chain on its dispersion
+//! relation, and the command.
 
 use std::f64::consts::{PI, TAU};
 
@@ -34,7 +35,8 @@ fn plane_waves_are_found() {
         let best = lines.max_by(|a, b| a.height.total_cmp(&b.height)).expect("a wave");
         println!("{best:?}");
         assert!((best.frequency - frequency).abs() < 1e-6, "{best:?}");
-        // The parabola through a padded Hann line is off by less than a hundredth of the resolution.
+        // The parabola through a padded Hann line is off by less than a hundredth of the
+        // resolution.
         assert!((best.phase - phase).abs() < 0.01 * TAU / f64::from(cells), "{best:?}");
         assert!((best.height - height).abs() < 0.02, "{best:?}");
     }
@@ -43,8 +45,8 @@ fn plane_waves_are_found() {
     assert!(found.lines.iter().all(|line| near(line.frequency)), "{:?}", found.lines);
 }
 
-/// The linear chain of 300 cells before anything comes back from its end: every wave lies on one of the branches to what window and
-/// length can tell, both branches have some, and the gap has none.
+/// The linear chain of 300 cells before anything comes back from its end: every wave lies on one of
+/// the branches to what window and length can tell, both branches have some, and the gap has none.
 #[test]
 fn the_linear_chain_lies_on_its_branches() {
     let scene = Scene::load("linear-300-cells").expect("a scene");
@@ -56,7 +58,8 @@ fn the_linear_chain_lies_on_its_branches() {
     let velocities = &scene.initial_velocities;
     let mut bench = Bench::new(&scene.chain, velocities, method, &[], NEVER, film);
     bench.run_until(5e-3, false, &mut |_| ()).expect("a run");
-    // The source's own mode stays in the first cells: leave them out. The optical waves are slow, and do not go far.
+    // The source's own mode stays in the first cells: leave them out. The optical waves are slow,
+    // and do not go far.
     let row = |j: &usize| {
         let forces = &bench.film().contact_forces[*j];
         forces.iter().map(|force| force - forces[0]).collect::<Vec<f64>>()
@@ -79,7 +82,8 @@ fn the_linear_chain_lies_on_its_branches() {
         let within = |(low, high): (f64, f64)| (low..=high).contains(&line.frequency);
         let on = [within(spread(&|p| chain.acoustic(p))), within(spread(&|p| chain.optical(p)))];
         assert!(on[0] || on[1], "{line:?}");
-        // Energy runs onward everywhere; on the optical branch, folded into the first zone, phases run against it.
+        // Energy runs onward everywhere; on the optical branch, folded into the first zone, phases
+        // run against it.
         assert_eq!(line.onward, on[0], "{line:?}");
         acoustic += u32::from(on[0]);
         optical += u32::from(on[1]);
@@ -131,7 +135,8 @@ fn the_command_draws_waves_on_branches() {
     let told: Value = serde_json::from_slice(&told.get_output().stdout).expect("JSON");
     let lines = told["lines"].as_array().expect("a list");
     assert!(lines.len() >= 3, "{lines:?}");
-    // A wave larger than the preload: faster than small ones, so above the acoustic branch, and within half of it.
+    // A wave larger than the preload: faster than small ones, so above the acoustic branch, and
+    // within half of it.
     for line in
         lines.iter().filter(|line| line["onward"] == true && line["height"].as_f64() > Some(0.3))
     {

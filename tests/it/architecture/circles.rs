@@ -1,12 +1,15 @@
 //! Circles of files inside a module: files that use each other, directly or over others.
 //!
-//! A file uses another of its module where a path in it, outside of tests, leads to an item that the other defines, or names the
-//! other as a module. Two things are no use: a declaration, `mod child;`, and a re-export, `pub use child::Item;`, which
-//! only gives an item a second address. A path through a re-export leads to the file that defines the item. So a `mod.rs` may declare and
-//! re-export its children, and may use them; but then its children must not use what the `mod.rs` defines itself.
-//! What children and parent both need is a file of its own beside the children.
+//! A file uses another of its module where a path in it, outside of tests, leads to an item that
+//! the other defines, or names the other as a module. Two things are no use: a declaration,
+//! `mod child;`, and a re-export, `pub use child::Item;`, which only gives an item a second
+//! address. A path through a re-export leads to the file that defines the item. So a `mod.rs` may
+//! declare and re-export its children, and may use them; but then its children must not use what
+//! the `mod.rs` defines itself. What children and parent both need is a file of its own beside the
+//! children.
 //!
-//! Limits: methods are called without a path, and are not seen. Names are looked up without regard to scopes inside functions.
+//! Limits: methods are called without a path, and are not seen. Names are looked up without regard
+//! to scopes inside functions.
 
 use super::paths::{self, PathUse};
 use super::source::{self, SourceFile, Violation};
@@ -45,7 +48,8 @@ impl<'a> Files<'a> {
         is_file.then(|| [&*path.module_path, &*path.segments].concat())
     }
 
-    /// The same for `path` in the file of number `index`, by the names that its declarations make known as well.
+    /// The same for `path` in the file of number `index`, by the names that its declarations make
+    /// known as well.
     fn absolute(&self, path: &PathUse, index: usize) -> Option<Vec<String>> {
         let (first, rest) = path.segments.split_first()?;
         let bound = || Some([self.bindings.get(index)?.get(first)?, rest].concat());
@@ -98,7 +102,8 @@ fn reached(uses: &[BTreeSet<usize>], start: usize) -> BTreeSet<usize> {
     found
 }
 
-/// The circles: files that reach each other, each file in one of them at most, by their paths in order.
+/// The circles: files that reach each other, each file in one of them at most, by their paths in
+/// order.
 fn circles(files: &[SourceFile]) -> Vec<BTreeSet<&str>> {
     let uses = uses(files);
     let reached: Vec<_> = (0..files.len()).map(|index| reached(&uses, index)).collect();
@@ -110,7 +115,8 @@ fn circles(files: &[SourceFile]) -> Vec<BTreeSet<&str>> {
     found.into_iter().collect()
 }
 
-/// Circles that `known` does not cover, and files of `known` that are in no circle any more. An entry that ends in `/` covers all below it.
+/// Circles that `known` does not cover, and files of `known` that are in no circle any more. An
+/// entry that ends in `/` covers all below it.
 pub fn check(files: &[SourceFile], known: &[&[&str]]) -> Vec<Violation> {
     let circles = circles(files);
     let covers = |entries: &[&str], path: &str| {

@@ -2,8 +2,8 @@
 
 use super::source::{SourceFile, Violation};
 
-/// Every line under `[dependencies]` has its reason behind it and is named in one of `sources`, likewise every one under
-/// `[dev-dependencies]` in one of `tests`.
+/// Every line under `[dependencies]` has its reason behind it and is named in one of `sources`,
+/// likewise every one under `[dev-dependencies]` in one of `tests`.
 pub fn check(manifest: &str, sources: &[SourceFile], tests: &[SourceFile]) -> Vec<Violation> {
     let mut violations = Vec::new();
     let mut users = None;

@@ -2,7 +2,8 @@
 
 use super::source::Violation;
 
-/// Every bullet or table row that begins with a folder in backticks, `` - `src/` ``, names one that exists.
+/// Every bullet or table row that begins with a folder in backticks, `` - `src/` ``, names one that
+/// exists.
 pub fn check(file: &str, text: &str, exists: impl Fn(&str) -> bool) -> Vec<Violation> {
     let named: Vec<(usize, &str)> = text
         .lines()

@@ -2,7 +2,8 @@
 
 use super::source::Violation;
 
-/// In numbered steps, each `path.rs` that is not a file below `src`, and each `name` behind a path and a colon that the file lacks.
+/// In numbered steps, each `path.rs` that is not a file below `src`, and each `name` behind a path
+/// and a colon that the file lacks.
 pub fn check(
     document: &str,
     text: &str,

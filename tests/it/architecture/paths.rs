@@ -1,5 +1,5 @@
-//! Every path that a source names: in `use` declarations, in expressions, types and patterns, in the tokens of macro
-//! calls, and in the texts of attributes (`#[serde(with = "crate::...")]`).
+//! Every path that a source names: in `use` declarations, in expressions, types and patterns, in
+//! the tokens of macro calls, and in the texts of attributes (`#[serde(with = "crate::...")]`).
 
 use super::source::{self, SourceFile};
 use proc_macro2::{Span, TokenStream, TokenTree};
@@ -124,7 +124,8 @@ impl Walk {
         self.note(&with(leaf), span);
     }
 
-    /// Notes the paths in tokens that are not parsed: what stands inside a macro call or an attribute.
+    /// Notes the paths in tokens that are not parsed: what stands inside a macro call or an
+    /// attribute.
     fn note_tokens(&mut self, tokens: TokenStream) {
         let trees: Vec<TokenTree> = tokens.into_iter().collect();
         let mut at = 0;

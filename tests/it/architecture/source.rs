@@ -117,7 +117,8 @@ fn requires_test(condition: &Meta) -> bool {
     }
 }
 
-/// Module paths that a parent declares as `#[cfg(test)] mod name;`, whose files are tests through and through.
+/// Module paths that a parent declares as `#[cfg(test)] mod name;`, whose files are tests through
+/// and through.
 pub fn test_modules(files: &[SourceFile]) -> BTreeSet<Vec<String>> {
     let mut found = BTreeSet::new();
     for file in files {

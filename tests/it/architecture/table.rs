@@ -68,7 +68,8 @@ impl Table {
         violations
     }
 
-    /// A shortest way from `module` over what it may use back to itself, however many steps it takes.
+    /// A shortest way from `module` over what it may use back to itself, however many steps it
+    /// takes.
     fn way_back(&self, module: &str) -> Option<Vec<String>> {
         let mut ways = vec![vec![module.to_owned()]];
         let mut seen = BTreeSet::new();

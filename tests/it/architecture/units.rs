@@ -1,9 +1,9 @@
 //! Every public `f64` says its unit.
 //!
-//! Public are: `pub` fields (whatever the struct derives), fields of the variants of a `pub enum`, `pub`
-//! constants, and what a `pub` function or a method of a `pub trait` returns. `f64` stands for the number
-//! itself, and for an `Option`, `Vec`, `Box`, reference, slice or array of it, nested as may be. What is only
-//! visible inside the crate is exempt.
+//! Public are: `pub` fields (whatever the struct derives), fields of the variants of a `pub enum`,
+//! `pub` constants, and what a `pub` function or a method of a `pub trait` returns. `f64` stands
+//! for the number itself, and for an `Option`, `Vec`, `Box`, reference, slice or array of it,
+//! nested as may be. What is only visible inside the crate is exempt.
 
 use super::source::{self, SourceFile, Violation};
 use hertzscope::quantity;
@@ -14,7 +14,8 @@ use syn::{
     Type, Visibility,
 };
 
-/// What stands for a unit although it is no quantity's: `unit` where another field or argument names it.
+/// What stands for a unit although it is no quantity's: `unit` where another field or argument
+/// names it.
 const FURTHER_UNITS: [&str; 4] = ["unit", "dB", "rad", "deg"];
 
 /// Every public `f64` whose doc comment does not end with a unit.
@@ -57,7 +58,8 @@ impl Walk<'_> {
         }
     }
 
-    /// Asks each field of type `f64` that `public` accepts; one without name may leave the word to `owner`.
+    /// Asks each field of type `f64` that `public` accepts; one without name may leave the word to
+    /// `owner`.
     fn ask_fields(
         &mut self,
         fields: &Fields,

@@ -1,4 +1,5 @@
-//! A thousand calibrations that do not know the truth. The same at will: `hertzscope calibrate --simulate SENSOR --repeat 1000`.
+//! A thousand calibrations that do not know the truth. The same at will:
+//! `hertzscope calibrate --simulate SENSOR --repeat 1000`.
 
 use hertzscope::quantity::Uncertain;
 use hertzscope::scene::plan::lab::Laboratory;
@@ -6,16 +7,18 @@ use hertzscope::studies::momentum_test::coverage::coverage;
 
 use super::{BENCH, bench_with, shipped_lab};
 
-/// Six impacts through droop and eight bits, sensor and scope as one chain; other sensor, phase, readings and noise each time. The
-/// coverage of a true 95 % interval scatters by 0.7 % among a thousand.
+/// Six impacts through droop and eight bits, sensor and scope as one chain; other sensor, phase,
+/// readings and noise each time. The coverage of a true 95 % interval scatters by 0.7 % among a
+/// thousand.
 #[test]
 fn stated_intervals_hold_the_truth() {
     let found = coverage(&BENCH.designer, &BENCH.candidate, 1000, 1, &mut |_| ()).expect("a test");
     println!("{found:?}");
     assert_eq!((found.repeats, found.failed), (1000, 0));
     assert!(found.bias.abs() < 1e-3, "bias {}", found.bias);
-    // Impacts scatter as stated here. The Birge ratio counts from 1, with Student's t: 0.970 are covered by six impacts whose own inputs make nearly all
-    // of the variance (computed apart from this program, 6000 draws); a thousand scatter by 0.5 %.
+    // Impacts scatter as stated here. The Birge ratio counts from 1, with Student's t: 0.970 are
+    // covered by six impacts whose own inputs make nearly all of the variance (computed apart from
+    // this program, 6000 draws); a thousand scatter by 0.5 %.
     assert!((0.955..=0.985).contains(&found.coverage_95), "coverage {}", found.coverage_95);
     // The largest of a thousand has a ratio of 2 by chance.
     assert!(found.mean_expanded <= 0.01 && found.largest_expanded <= 0.03, "U {found:?}");

@@ -23,7 +23,8 @@ fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")
 }
 
-/// From the design to newtons: the test's files, the certificate, the sensor's file, a recording in newtons.
+/// From the design to newtons: the test's files, the certificate, the sensor's file, a recording in
+/// newtons.
 #[test]
 fn a_sensor_is_calibrated_and_used() {
     let folder = tempfile::tempdir().expect("a folder");

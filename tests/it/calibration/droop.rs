@@ -26,7 +26,8 @@ fn zigzag(samples: usize) -> Trace {
     trace(values)
 }
 
-/// `V(T) = S tau sum over segments of slope (exp(-(T - end)/tau) - exp(-(T - start)/tau))`, each term from its closed form.
+/// `V(T) = S tau sum over segments of slope (exp(-(T - end)/tau) - exp(-(T - start)/tau))`, each
+/// term from its closed form.
 #[test]
 fn the_filter_is_exact_on_straight_lines() {
     let force = zigzag(2500);

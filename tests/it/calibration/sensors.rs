@@ -20,7 +20,8 @@ fn circuit(scene: &Scene, index: usize) -> (f64, f64) {
     (circuit.sensitivity, circuit.time_constant)
 }
 
-/// 0.15938 pF times 1800 and 710 pF of cable and 20 pF of input make 1.0169 nF; d33 over it is 0.39336 V/N.
+/// 0.15938 pF times 1800 and 710 pF of cable and 20 pF of input make 1.0169 nF; d33 over it is
+/// 0.39336 V/N.
 #[test]
 fn the_circuit_follows_from_plate_cable_and_input() {
     let capacitance = 0.159_375_380_33e-12 * 1800.0 + 730e-12;
@@ -43,7 +44,8 @@ fn the_circuit_follows_from_plate_cable_and_input() {
     assert!((s * tau / (400e-12 * 1e6) - 1.0).abs() < 1e-12);
 }
 
-/// A measured time constant takes the cable's place; what it was measured with is exchanged for what is there.
+/// A measured time constant takes the cable's place; what it was measured with is exchanged for
+/// what is there.
 #[test]
 fn a_measured_sensor_needs_no_data_sheet() {
     let sensor = "[sensors.p2]\nmodel = \"SENSOR\"\nparticle = 2\n";
@@ -61,7 +63,8 @@ fn a_measured_sensor_needs_no_data_sheet() {
     assert!((s / (0.41 * 1.1e-9 / capacitance) - 1.0).abs() < 1e-12);
     let facts = facts(&scene(&wired), Integration::Accuracy(1e-6)).expect("facts");
     assert_eq!(facts["hertzscope:sensor/1"]["sensitivity_u_relative"], "0.004");
-    // Only tau: S tau = d33 R. In the scene it replaces the capacitance of the sensor's file; both in one place contradict each other.
+    // Only tau: S tau = d33 R. In the scene it replaces the capacitance of the sensor's file; both
+    // in one place contradict each other.
     let plate = "[sensors.p2]\nmodel = \"pzt-5a-710pf\"\ntau = \"1 ms\"\n";
     let (s, tau) = circuit(&scene(plate), 0);
     assert!((tau - 1e-3).abs() < 1e-15 && (s / 0.4 - 1.0).abs() < 1e-12);
@@ -98,7 +101,8 @@ fn a_host_may_weigh_more_than_its_kind() {
     );
 }
 
-/// Off by default; drawn from the seed; even within the tolerance; the recording keeps what the data say beside what is there.
+/// Off by default; drawn from the seed; even within the tolerance; the recording keeps what the
+/// data say beside what is there.
 #[test]
 fn plates_differ_from_their_data_if_asked() {
     assert_eq!(scene("").sensor_tolerance, None);
@@ -115,7 +119,8 @@ fn plates_differ_from_their_data_if_asked() {
     let mean = ratios.iter().sum::<f64>() / 1000.0;
     let spread = (ratios.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / 999.0).sqrt();
     assert!(ratios.iter().all(|r| (0.8..=1.2).contains(r)));
-    // Even within 0.2: a standard deviation of 0.2/sqrt(3), from 1000 draws to 1.4 %; the mean to 0.0037.
+    // Even within 0.2: a standard deviation of 0.2/sqrt(3), from 1000 draws to 1.4 %; the mean to
+    // 0.0037.
     assert!((spread / (0.2 / 3f64.sqrt()) - 1.0).abs() < 0.05 && (mean - 1.0).abs() < 0.012);
     varied.seed = 5;
     let again = circuit(&varied, 0);

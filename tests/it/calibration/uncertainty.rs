@@ -19,7 +19,8 @@ fn the_budget_is_complete_and_monte_carlo_confirms_it() {
     let drawn = found.monte_carlo.expect("draws");
     // A standard deviation from 100,000 draws is good to 0.22 %.
     assert!(drawn.agrees && (drawn.u / found.u - 1.0).abs() < 0.01, "{drawn:?}");
-    // Both intervals are told, and differ by no more than half a unit of the second digit of u where 100,000 draws resolve it, else of the first.
+    // Both intervals are told, and differ by no more than half a unit of the second digit of u
+    // where 100,000 draws resolve it, else of the first.
     let [low, high] = drawn.propagated_95;
     assert!((0.5 * (high - low) / (1.96 * found.u) - 1.0).abs() < 0.01, "{drawn:?}");
     let apart = |end: usize| (drawn.interval_95[end] - drawn.propagated_95[end]).abs();
@@ -69,7 +70,8 @@ fn ways_to_tell_a_speed_agree() {
     assert_eq!(gates.count(), 1, "one distance for all");
 }
 
-/// A sensor whose sensitivity really changes with force shows it: records scaled by up to 10 % with force.
+/// A sensor whose sensitivity really changes with force shows it: records scaled by up to 10 % with
+/// force.
 #[test]
 fn a_nonlinear_sensor_is_told() {
     let mut blind = BENCH.blind(9);

@@ -236,7 +236,8 @@ fn an_instrument_can_be_supplied() {
     says(&error, &["tds9", "tds2014, tds2024"]);
 }
 
-/// A recording that is not read at once (over 32 MiB) gives what its shots give in a small one, all of them and one by one.
+/// A recording that is not read at once (over 32 MiB) gives what its shots give in a small one, all
+/// of them and one by one.
 #[test]
 fn large_recordings_are_read_by_shots() {
     let folder = recorded();

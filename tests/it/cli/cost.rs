@@ -55,7 +55,8 @@ fn the_study_is_for_people_for_scripts_and_for_the_recording() {
     for point in list(&study, "points") {
         let keys = point.as_object().expect("an object");
         assert!(POINT.iter().all(|key| keys.contains_key(*key)), "{keys:?}");
-        // Failed ones, too, stand where they would cost something; a time that nobody has measured is none.
+        // Failed ones, too, stand where they would cost something; a time that nobody has measured
+        // is none.
         assert!(point["force_evaluations"].as_u64().is_some_and(|count| count > 0), "{point}");
         let wall = &point["wall_s_min"];
         assert!(wall.is_null() || wall.as_f64().is_some_and(|wall| wall > 0.0), "{point}");
@@ -102,8 +103,11 @@ fn the_study_is_for_people_for_scripts_and_for_the_recording() {
     }
 }
 
-/// What `--accuracy` chooses is as accurate as asked, and takes at most twice the force evaluations of the best of all methods, those with gradients counted one and
-/// a half times, for so much longer they take (the table of fixed steps in docs/performance.md): of the coarsest setting of each from which on it is accurate enough. Coarser ones than 1e-3 tell too little, and rounding is not far below finer ones than 1e-9.
+/// What `--accuracy` chooses is as accurate as asked, and takes at most twice the force evaluations
+/// of the best of all methods, those with gradients counted one and a half times, for so much
+/// longer they take (the table of fixed steps in docs/performance.md): of the coarsest setting of
+/// each from which on it is accurate enough. Coarser ones than 1e-3 tell too little, and rounding
+/// is not far below finer ones than 1e-9.
 #[test]
 fn the_choice_is_within_twice_the_best() {
     for name in ["linear-300-cells", "magnet-0.61g", "gravity-1.22g", "monatomic-vacuum"] {

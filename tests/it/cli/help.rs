@@ -67,7 +67,8 @@ fn what_is_typed_wrong_is_refused() {
     assert_eq!(files(folder.path()), [""; 0]);
 }
 
-/// The script asks the program with the words typed so far and the place of the one to be completed, as bash has them in `COMP_CWORD`.
+/// The script asks the program with the words typed so far and the place of the one to be
+/// completed, as bash has them in `COMP_CWORD`.
 #[test]
 fn completions_know_commands_scenes_and_recordings() {
     let folder = temporary();

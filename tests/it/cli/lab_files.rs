@@ -1,4 +1,5 @@
-//! A lab's own files through the commands: a memory stick, tables of other programs, clipped records, plain tables out.
+//! A lab's own files through the commands: a memory stick, tables of other programs, clipped
+//! records, plain tables out.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -16,8 +17,9 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
-/// A half sine of `height` and 40 µs, arriving at `start`, in 8-bit levels of `scale`/25 whose zero stands `position` divisions from the
-/// centre: clipped where the converter ends, as the firmware writes it into `F<number>CH<channel>.CSV`.
+/// A half sine of `height` and 40 µs, arriving at `start`, in 8-bit levels of `scale`/25 whose zero
+/// stands `position` divisions from the centre: clipped where the converter ends, as the firmware
+/// writes it into `F<number>CH<channel>.CSV`.
 fn native(channel: u8, start: f64, height: f64, (scale, position): (f64, f64)) -> String {
     use hertzscope::recording::{Capture, InstrumentIdentity, tek_csv};
     use hertzscope::scope::{PointFormat, Preamble, Source, VerticalSetup, Waveform};
@@ -68,7 +70,8 @@ fn native(channel: u8, start: f64, height: f64, (scale, position): (f64, f64)) -
     tek_csv::write(&capture).expect("writable")
 }
 
-/// Twelve shots in ALL0000 to ALL0011: the pulse takes 300 µs from CH1 to CH2, and its height falls by 10 mV a shot from 2 V on.
+/// Twelve shots in ALL0000 to ALL0011: the pulse takes 300 µs from CH1 to CH2, and its height falls
+/// by 10 mV a shot from 2 V on.
 fn stick(folder: &Path) {
     for shot in 0..12 {
         let all = folder.join(format!("stick/ALL{shot:04}"));
@@ -108,7 +111,8 @@ fn a_memory_stick_is_one_recording_of_many_shots() {
     let found = json(path, &["arrivals", "stick", "--distance", "CH1-CH2=30 mm +- 0.3 mm"]);
     let speed = &found["shots"][0]["speeds"][0];
     assert!((number(&speed["m_per_s"]["value"]) / 100.0 - 1.0).abs() < 2e-3, "{speed}");
-    // One per cent of the distance, an expanded uncertainty as behind every ±, outweighs what the samples leave open.
+    // One per cent of the distance, an expanded uncertainty as behind every ±, outweighs what the
+    // samples leave open.
     assert!((number(&speed["m_per_s"]["U95"]) - 1.0).abs() < 0.1, "{speed}");
     let statistic = |quantity: &str, channel: &str| {
         let all = found["statistics"].as_array().expect("statistics");
@@ -119,7 +123,8 @@ fn a_memory_stick_is_one_recording_of_many_shots() {
     };
     let height = statistic("height", "CH1");
     assert_eq!((height["shots"].as_u64(), height["unit"].as_str()), (Some(12), Some("V")));
-    // 2 V to 1.89 V: mean 1.945 V, standard deviation 10 mV sqrt(13), trend -10 mV a shot; a level is 20 mV.
+    // 2 V to 1.89 V: mean 1.945 V, standard deviation 10 mV sqrt(13), trend -10 mV a shot; a level
+    // is 20 mV.
     assert!((number(&height["mean"]) - 1.945).abs() < 0.01, "{height}");
     assert!((number(&height["standard_deviation"]) - 0.036).abs() < 0.004, "{height}");
     assert!((number(&height["trend"]["value"]) + 0.01).abs() < 2e-3, "{height}");

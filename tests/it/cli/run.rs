@@ -27,7 +27,8 @@ fn without_arguments_it_records_the_default_scene() {
     );
 }
 
-/// Each shot's trigger is another fraction of a sample late; times in the recording are in the order of the shots.
+/// Each shot's trigger is another fraction of a sample late; times in the recording are in the
+/// order of the shots.
 #[test]
 fn shots_come_in_their_order() {
     let folder = temporary();
@@ -44,7 +45,8 @@ fn shots_come_in_their_order() {
     assert!(of("timestamp_ns").is_sorted());
 }
 
-/// As many frames as asked for, over the scene's 2.25 ms and the rest of the record; sensors' forces stay at the scope's samples.
+/// As many frames as asked for, over the scene's 2.25 ms and the rest of the record; sensors'
+/// forces stay at the scope's samples.
 #[test]
 fn frames_are_kept_as_asked() {
     let folder = temporary();
@@ -125,7 +127,8 @@ fn the_summary_as_json_has_its_keys() {
         for key in ["total_n", "dynamic_n", "time_s"] {
             assert!(is_number(&sensor["first_peak"][key]), "{key}: {sensor}");
         }
-        // The static force is the magnet's 2.38 N and some weight; the total is what is static and what is not.
+        // The static force is the magnet's 2.38 N and some weight; the total is what is static and
+        // what is not.
         let number = |value: &Value| value.as_f64().expect("a number");
         let peak = &sensor["first_peak"];
         let sum = number(&sensor["static_n"]) + number(&peak["dynamic_n"]);
@@ -319,7 +322,8 @@ fn methods_that_losses_rule_out_are_refused() {
     says(&done.stdout, &booked);
 }
 
-/// A run that fails on its way: nothing was triggered, so nothing is left, and what was there before is there still.
+/// A run that fails on its way: nothing was triggered, so nothing is left, and what was there
+/// before is there still.
 #[test]
 fn a_run_that_fails_leaves_nothing_and_takes_nothing() {
     let folder = temporary();
@@ -333,7 +337,8 @@ fn a_run_that_fails_leaves_nothing_and_takes_nothing() {
     assert_eq!(std::fs::read(folder.path().join("old.mcap")).expect("the file"), b"precious");
 }
 
-/// The limit is that of an accurate impact: at first steps of this length the striker goes further than any contact is ever pressed.
+/// The limit is that of an accurate impact: at first steps of this length the striker goes further
+/// than any contact is ever pressed.
 #[test]
 fn steps_that_blow_up_are_refused_with_the_contact_its_limit_and_a_step_that_would_do() {
     let folder = temporary();
@@ -389,7 +394,8 @@ fn a_reader_that_goes_away_is_no_error() {
     assert_eq!(String::from_utf8_lossy(&output.stderr), "");
 }
 
-/// Steps that are stable and too long all the same: what came of them is told, with a step that would do, and that one does.
+/// Steps that are stable and too long all the same: what came of them is told, with a step that
+/// would do, and that one does.
 #[test]
 fn a_step_that_reads_wrong_is_told() {
     let folder = temporary();
@@ -453,7 +459,8 @@ fn by_hand_no_error_is_told_that_is_none() {
     assert!(peak <= 1e-6, "{peak:e}");
 }
 
-/// A chain pressed flat is no chain any more, and stiff losses are refused by the contact that makes them so.
+/// A chain pressed flat is no chain any more, and stiff losses are refused by the contact that
+/// makes them so.
 #[test]
 fn what_no_bench_could_be_is_told() {
     let folder = temporary();

@@ -98,7 +98,8 @@ fn an_interrupted_acquisition_leaves_the_scope_as_it_was() {
     assert_eq!((set.problems.len(), set.shots.len()), (0, 1));
 }
 
-/// `compare`, `fit`, `arrivals` and others take one shot from an address; `calibrate` one for each impact, and keeps it.
+/// `compare`, `fit`, `arrivals` and others take one shot from an address; `calibrate` one for each
+/// impact, and keeps it.
 #[test]
 fn an_address_stands_for_a_file() {
     let folder = tempfile::tempdir().expect("a folder");

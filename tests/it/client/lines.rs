@@ -1,4 +1,5 @@
-//! Lines between a client and a served scope: a pseudo-terminal as a serial port, and a socket; both can be pulled out.
+//! Lines between a client and a served scope: a pseudo-terminal as a serial port, and a socket;
+//! both can be pulled out.
 
 use std::fs::File;
 use std::io::{Read as _, Write as _};
@@ -87,8 +88,9 @@ impl Terminal {
     }
 }
 
-/// A serial port in `folder` that leads to the scope at `server`; it is pulled out at each of `pulls`, and put back. What the scope sends meanwhile
-/// comes when the line is back, as with hard flagging.
+/// A serial port in `folder` that leads to the scope at `server`; it is pulled out at each of
+/// `pulls`, and put back. What the scope sends meanwhile comes when the line is back, as with hard
+/// flagging.
 pub fn serial_port(server: SocketAddr, folder: &Path, time: ByteTime, pulls: Vec<Pull>) -> PathBuf {
     let port = folder.join("ttyLAB");
     let mut scope = TcpStream::connect(server).expect("a scope");
@@ -138,8 +140,8 @@ pub enum Failure {
     Silent,
 }
 
-/// A socket that leads to the scope at `server`; its connections fail at `pulls`, one after the other, and `meanwhile` is done before the next
-/// one is accepted.
+/// A socket that leads to the scope at `server`; its connections fail at `pulls`, one after the
+/// other, and `meanwhile` is done before the next one is accepted.
 pub fn socket(
     server: SocketAddr,
     pulls: Vec<Pull>,

@@ -1,7 +1,8 @@
 //! A stand-in for a Prologix GPIB-to-Ethernet adapter with a scope behind it.
 //!
-//! As its manual (version 1.6.6.0) says: a line that begins with `++` is for the adapter, ESC takes its meaning from the next byte, data end with
-//! LF and EOI, and bytes of the instrument come only after `++read eoi`.
+//! As its manual (version 1.6.6.0) says: a line that begins with `++` is for the adapter, ESC takes
+//! its meaning from the next byte, data end with LF and EOI, and bytes of the instrument come only
+//! after `++read eoi`.
 
 use std::io::{BufRead as _, BufReader, Read, Write as _};
 use std::net::{SocketAddr, TcpListener, TcpStream};

@@ -10,7 +10,8 @@ use hertzscope::client::{AcquisitionEvent, Address, ClientTiming};
 use super::lines::{ByteTime, Failure, Pull, serial_port, socket};
 use super::{TIMING, assert_recorded, shots, struck};
 
-/// From the first byte of the first curve to the last of the fourth; behind 2500 bytes only the end of the line is missing.
+/// From the first byte of the first curve to the last of the fourth; behind 2500 bytes only the end
+/// of the line is missing.
 const PULLS: [Pull; 10] = [
     (1, 0),
     (1, 1),
@@ -68,7 +69,8 @@ fn a_serial_line_that_is_pulled_out_ten_times_in_mid_curve() {
     assert!(failures(&events) >= 10, "{events:?}");
 }
 
-/// While the line is down somebody starts the scope: the channels that were read before are not those that are there now.
+/// While the line is down somebody starts the scope: the channels that were read before are not
+/// those that are there now.
 #[test]
 fn a_record_that_was_replaced_while_the_line_was_down_is_dropped() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -89,7 +91,8 @@ fn a_record_that_was_replaced_while_the_line_was_down_is_dropped() {
     assert!(events.contains(&dropped), "{events:?}");
 }
 
-/// The command that arms the scope for the second shot is lost: the record of the first one, which it still holds, is not recorded again.
+/// The command that arms the scope for the second shot is lost: the record of the first one, which
+/// it still holds, is not recorded again.
 #[test]
 fn a_scope_that_was_not_armed_brings_no_second_record() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -8,7 +8,8 @@ use std::time::Duration;
 
 use portable_pty::{CommandBuilder, PtySize, native_pty_system};
 
-/// Serves on ports that are free until a client has been answered, and ends as `kill` asks for; what it printed.
+/// Serves on ports that are free until a client has been answered, and ends as `kill` asks for;
+/// what it printed.
 pub fn served(folder: &Path, arguments: &[&str]) -> Result<String, String> {
     let is_port = |word: &str| ["4880", "1024", "1111"].contains(&word);
     let free = arguments.iter().map(|word| if is_port(word) { "0" } else { word });
@@ -60,7 +61,8 @@ pub fn with_scope<T>(folder: &Path, act: impl FnOnce(&str) -> T) -> T {
     done
 }
 
-/// Views in a terminal until the screen is there, then presses `q`; nothing, as screens are tested elsewhere.
+/// Views in a terminal until the screen is there, then presses `q`; nothing, as screens are tested
+/// elsewhere.
 pub fn viewed(folder: &Path, arguments: &[&str]) -> Result<String, String> {
     let size = PtySize { rows: 24, cols: 80, pixel_width: 0, pixel_height: 0 };
     let pair = native_pty_system().openpty(size).expect("a pseudo-terminal");

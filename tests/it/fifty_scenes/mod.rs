@@ -1,7 +1,9 @@
-//! More than fifty scenes that no constant of the library was tuned on, against a solver that shares no code with it.
+//! More than fifty scenes that no constant of the library was tuned on, against a solver that
+//! shares no code with it.
 //!
-//! For each accuracy that is asked for, first peaks and arrivals differ from the reference by no more than that accuracy, and by no more than
-//! the error estimate that the run prints. The solver itself is compared with the goldens, with closed forms, and with a looser run of its own.
+//! For each accuracy that is asked for, first peaks and arrivals differ from the reference by no
+//! more than that accuracy, and by no more than the error estimate that the run prints. The solver
+//! itself is compared with the goldens, with closed forms, and with a looser run of its own.
 #![allow(clippy::too_many_lines, reason = "lists of scenes")]
 #![allow(clippy::needless_range_loop, reason = "small counts; a table by row and column")]
 
@@ -21,7 +23,8 @@ use setup::Setup;
 
 /// The reference run.
 const FINE: Control = Control { tolerance: 1e-14, phase: 0.3 };
-/// A looser run, whose difference shows the reference's own error: its tolerance is ten times as large.
+/// A looser run, whose difference shows the reference's own error: its tolerance is ten times as
+/// large.
 const COARSE: Control = Control { tolerance: 1e-13, phase: 0.4 };
 /// Relative errors that are asked for (1).
 const ACCURACIES: [f64; 3] = [1e-3, 1e-6, 1e-9];
@@ -29,13 +32,15 @@ const ACCURACIES: [f64; 3] = [1e-3, 1e-6, 1e-9];
 const REFERENCE_SHARE: f64 = 0.1;
 /// Test functions over which the scenes are spread.
 const PARTS: usize = 4;
-/// Scenes and accuracies that are not run: Rodas takes 55,332 evaluations at 1e-6, and had not ended after 100 s at 1e-9.
+/// Scenes and accuracies that are not run: Rodas takes 55,332 evaluations at 1e-6, and had not
+/// ended after 100 s at 1e-9.
 const NOT_RUN: [(&str, f64); 1] = [("bead of 50 ug among strong dashpots", 1e-9)];
 
 /// Processors round differently: measured ratios above 1 may come out so many times as large (1).
 const KNOWN_MARGIN: f64 = 1.1;
 
-/// A failure that is known, with the measured error relative to the accuracy asked for, and to the error estimate of the run.
+/// A failure that is known, with the measured error relative to the accuracy asked for, and to the
+/// error estimate of the run.
 struct Known {
     scene: &'static str,
     accuracy: f64,
@@ -43,8 +48,8 @@ struct Known {
     estimate_ratio: f64,
 }
 
-/// Scenes in which readings miss the accuracy, or the estimate misses the error, each with what was measured. Entries go when the code
-/// is mended; their figures must not grow.
+/// Scenes in which readings miss the accuracy, or the estimate misses the error, each with what was
+/// measured. Entries go when the code is mended; their figures must not grow.
 const KNOWN: [Known; 7] = [
     known("feather-light striker of 0.05 mg", 1e-6, 0.02, 1.01),
     known("feather-light striker of 0.05 mg", 1e-9, 0.02, 1.72),
@@ -87,7 +92,8 @@ fn found(summary: &Summary) -> Vec<Option<Reading>> {
     summary.sensors.iter().chain(&summary.wall).map(reading).collect()
 }
 
-/// Largest relative errors of first-peak forces, and of first-peak times and half-rises; infinite where a pulse is in one of them only (1).
+/// Largest relative errors of first-peak forces, and of first-peak times and half-rises; infinite
+/// where a pulse is in one of them only (1).
 fn errors(found: &[Option<Reading>], exact: &[Option<Reading>]) -> [f64; 2] {
     assert_eq!(found.len(), exact.len());
     let off = |a: f64, b: f64| if a == b { 0.0 } else { (a / b - 1.0).abs() };

@@ -1,9 +1,11 @@
 //! A solver of its own for chains of Hertz contacts: nothing here is taken from the library.
 //!
-//! Forces follow from the numbers of a [`Setup`]. Motion is integrated by the extrapolated modified midpoint rule (W. B. Gragg, SIAM J. Numer.
-//! Anal. 2, 384, 1965; R. Bulirsch, J. Stoer, Numer. Math. 8, 1, 1966) with the step numbers 2, 4, 6, ...; steps are shortened until columns of the
-//! table agree. Where a contact with a jumping force opens or closes, a step ends there. Readings are found by integrating again from the start
-//! of a step to any point within it, so that they are as exact as the steps.
+//! Forces follow from the numbers of a [`Setup`]. Motion is integrated by the extrapolated modified
+//! midpoint rule (W. B. Gragg, SIAM J. Numer. Anal. 2, 384, 1965; R. Bulirsch, J. Stoer, Numer.
+//! Math. 8, 1, 1966) with the step numbers 2, 4, 6, ...; steps are shortened until columns of the
+//! table agree. Where a contact with a jumping force opens or closes, a step ends there. Readings
+//! are found by integrating again from the start of a step to any point within it, so that they are
+//! as exact as the steps.
 
 use super::setup::{Bead, End, Law, Setup};
 
@@ -41,7 +43,8 @@ const STEP_LIMIT: usize = 4_000_000;
 /// Control of a reference run.
 #[derive(Debug, Clone, Copy)]
 pub struct Control {
-    /// Local error tolerated in a step, relative to the body's largest speed so far, and to a like share of the largest overlap (1).
+    /// Local error tolerated in a step, relative to the body's largest speed so far, and to a like
+    /// share of the largest overlap (1).
     pub tolerance: f64,
     /// Longest step, as a phase of the fastest contact (rad).
     pub phase: f64,
@@ -373,7 +376,8 @@ impl Reference {
                 length *= SHRINK;
                 continue;
             };
-            // A step ends where a force loses smoothness: an error estimate across such a point may vanish by chance.
+            // A step ends where a force loses smoothness: an error estimate across such a point may
+            // vanish by chance.
             let mut taken = length;
             if let Some((event, near)) = run.first_event(&state, &closed, &trial.state, length) {
                 if run.attempt(&state, &closed, near, true).rows.is_none() {
@@ -421,7 +425,8 @@ impl Reference {
         }
     }
 
-    /// A quantity whose sign changes with the event, and the scale below which its sign is rounding.
+    /// A quantity whose sign changes with the event, and the scale below which its sign is
+    /// rounding.
     fn margin(&self, state: &[f64], closed: &[bool], (kind, j): (Event, usize)) -> (f64, f64) {
         let (system, Scales { overlap, speed }) = (&self.system, self.scales);
         let contact = &system.contacts[j];
@@ -647,14 +652,16 @@ impl Reference {
     }
 }
 
-/// Whether a force with these values and rates at the ends of a step of `length` (s) may have both a maximum and a minimum within it: the
-/// rate of the cubic through them comes closer to zero than at the ends.
+/// Whether a force with these values and rates at the ends of a step of `length` (s) may have both
+/// a maximum and a minimum within it: the rate of the cubic through them comes closer to zero than
+/// at the ends.
 fn may_turn_twice([(before, rising), (after, falling)]: [(f64, f64); 2], length: f64) -> bool {
     if (rising > 0.0) != (falling > 0.0) {
         return false;
     }
     let sign = if rising > 0.0 { 1.0 } else { -1.0 };
-    // q(t) = q0 + (q1 - q0 - c) t + c t^2 with c = 3 (q0 + q1 - 2 m) has the rates q0 and q1 at the ends and the mean m.
+    // q(t) = q0 + (q1 - q0 - c) t + c t^2 with c = 3 (q0 + q1 - 2 m) has the rates q0 and q1 at the
+    // ends and the mean m.
     let mean = (after - before) / length;
     let curve = 3.0 * (rising + falling - 2.0 * mean);
     let slope = falling - rising - curve;
@@ -663,7 +670,8 @@ fn may_turn_twice([(before, rising), (after, falling)]: [(f64, f64); 2], length:
     sign * least < CLOSE_TO_TURNING * rising.abs().min(falling.abs())
 }
 
-/// A root of `value` between two points with values of different signs, by the Illinois method with bisections in between.
+/// A root of `value` between two points with values of different signs, by the Illinois method with
+/// bisections in between.
 fn root(value: &dyn Fn(f64) -> f64, [mut low, mut high]: [(f64, f64); 2], width: f64) -> f64 {
     let mut side = 0;
     for iteration in 0..ROOT_ITERATIONS {

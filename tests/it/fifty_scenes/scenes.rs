@@ -1,4 +1,5 @@
-//! The scenes: fixed numbers, none of them those of a shipped scene, each named after what is extreme in it.
+//! The scenes: fixed numbers, none of them those of a shipped scene, each named after what is
+//! extreme in it.
 
 use super::setup::{Bead, End, Law, Loss, Material, Setup, cylinder, sphere};
 
@@ -398,7 +399,8 @@ pub fn lossless() -> Vec<Setup> {
     scenes
 }
 
-/// Scenes with losses: each law, several at once, both ends of contact, single contacts with their own coefficients.
+/// Scenes with losses: each law, several at once, both ends of contact, single contacts with their
+/// own coefficients.
 pub fn dissipative() -> Vec<Setup> {
     let steel = |d| sphere(STEEL, d);
     let brass_chain = |name, us| struck(name, equal(sphere(BRASS, 6.0), 8), steel(6.0), 0.42, us);
@@ -555,7 +557,8 @@ pub fn dissipative() -> Vec<Setup> {
     ]
 }
 
-/// Scenes that a random search found to be hard: first peaks next to an inflection, very light beads, losses near the border of stiffness.
+/// Scenes that a random search found to be hard: first peaks next to an inflection, very light
+/// beads, losses near the border of stiffness.
 pub fn found_by_search() -> Vec<Setup> {
     let m = |name, modulus, density| material(name, modulus, 0.25, density);
     let wall = |material| End::Wall(material, 0.0);

@@ -81,7 +81,8 @@ pub enum Law {
 pub struct Loss {
     pub law: Law,
     pub coefficient: f64,
-    /// Contacts, each by the body below it in a chain with a striker (1 is the striker's contact), with their own coefficients.
+    /// Contacts, each by the body below it in a chain with a striker (1 is the striker's contact),
+    /// with their own coefficients.
     pub single: Vec<(usize, f64)>,
 }
 
@@ -101,7 +102,8 @@ pub struct Setup {
     /// A constant pull (N) on a particle, counted from 1.
     pub magnet: Option<(usize, f64)>,
     pub losses: Vec<Loss>,
-    /// Whether contacts with losses end where their force comes back to zero; else where the overlap does.
+    /// Whether contacts with losses end where their force comes back to zero; else where the
+    /// overlap does.
     pub zero_force: bool,
     /// Particles, counted from 1, with their initial velocities (m/s).
     pub velocities: Vec<(usize, f64)>,

@@ -8,7 +8,8 @@ use super::FINE;
 use super::reference::Reference;
 use super::setup::{Bead, End, Law, Loss, Material, Setup};
 
-/// Largest relative difference from the goldens' peaks and times, which are known to about 1e-12 (1).
+/// Largest relative difference from the goldens' peaks and times, which are known to about 1e-12
+/// (1).
 const GOLDEN_TOLERANCE: f64 = 1e-11;
 /// Digits to which restitutions are known (1).
 const RESTITUTION_TOLERANCE: f64 = 1e-6;
@@ -101,8 +102,8 @@ fn it_meets_the_golden_with_a_dashpot() {
     assert!(worst < GOLDEN_TOLERANCE && apart < 1e-14, "{worst:e}, {apart:e} m");
 }
 
-/// Restitution of two equal spheres with Kuwabara and Kono's loss, for both ends of a contact: figures of a separate calculation, six digits
-/// of them, for `x = 3/2 eta (A/mu)^(2/5) v^(1/5)`.
+/// Restitution of two equal spheres with Kuwabara and Kono's loss, for both ends of a contact:
+/// figures of a separate calculation, six digits of them, for `x = 3/2 eta (A/mu)^(2/5) v^(1/5)`.
 #[test]
 fn it_meets_the_restitution_of_viscoelastic_spheres() {
     let speed = 0.37;

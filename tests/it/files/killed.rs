@@ -5,8 +5,9 @@ use std::path::Path;
 
 use super::{QUICK, command, contents, done};
 
-/// Ends `arguments` at each write in turn, in a folder made anew by `prepare`, until one goes through. What is there then is always what was there
-/// before or what is there in the end. Returns how often it was ended.
+/// Ends `arguments` at each write in turn, in a folder made anew by `prepare`, until one goes
+/// through. What is there then is always what was there before or what is there in the end. Returns
+/// how often it was ended.
 fn kill_everywhere(prepare: &dyn Fn(&Path), arguments: &[&str]) -> u32 {
     let prepared = || {
         let folder = tempfile::tempdir().expect("a folder");

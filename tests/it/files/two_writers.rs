@@ -1,4 +1,5 @@
-//! Two of each command at once on the same name: one of them wins, whole, and the other one says so or comes after it.
+//! Two of each command at once on the same name: one of them wins, whole, and the other one says so
+//! or comes after it.
 
 use std::path::Path;
 use std::process::Child;
@@ -11,7 +12,8 @@ fn start(folder: &Path, arguments: &[&str]) -> Child {
     command(folder, arguments).spawn().expect("the program starts")
 }
 
-/// Runs both at once, often; each is done, or says that another one writes. `check` looks at what is there then.
+/// Runs both at once, often; each is done, or says that another one writes. `check` looks at what
+/// is there then.
 fn at_once(folder: &Path, both: [&[&str]; 2], check: &dyn Fn()) {
     for _ in 0..10 {
         let children = both.map(|arguments| start(folder, arguments));

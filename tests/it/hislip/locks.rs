@@ -14,7 +14,8 @@ fn release(lab: &mut Lab, client: Client, after: u32) {
     lab.send(client.asynchronous, MessageType::AsyncLock, (0, after), b"");
 }
 
-/// The answer to a request or release: 0 failed, 1 granted or released, 2 shared lock released, 3 an error.
+/// The answer to a request or release: 0 failed, 1 granted or released, 2 shared lock released, 3
+/// an error.
 #[track_caller]
 fn answer(lab: &mut Lab, client: Client) -> u8 {
     let (kind, control, parameter, payload) = lab.next(client.asynchronous);
@@ -70,7 +71,8 @@ fn a_shared_lock_is_for_all_with_the_key() {
     assert_eq!(lab.next(two.synchronous).3, b"two\n");
     lab.say(three, 0, false, "three?");
     assert!(lab.server.is_held(three.synchronous));
-    // One who shares may lock the others out; then both locks are given back, the exclusive one first.
+    // One who shares may lock the others out; then both locks are given back, the exclusive one
+    // first.
     request(&mut lab, one, EXCLUSIVE, 0);
     assert_eq!(answer(&mut lab, one), 1);
     assert_eq!(info(&mut lab, three), (1, 2));
@@ -107,7 +109,8 @@ fn requests_wait_for_their_time() {
     assert_eq!((answer(&mut lab, one), answer(&mut lab, three)), (1, 1));
 }
 
-/// A release that overtakes the message sent before it on the other connection waits for it, but not for ever.
+/// A release that overtakes the message sent before it on the other connection waits for it, but
+/// not for ever.
 #[test]
 fn a_release_does_not_overtake_a_message() {
     let mut lab = Lab::default();

@@ -269,7 +269,8 @@ proptest! {
     }
 }
 
-/// A connection that does not become a session with both of its connections is closed; whole sessions stay, however long they are silent.
+/// A connection that does not become a session with both of its connections is closed; whole
+/// sessions stay, however long they are silent.
 #[test]
 fn half_a_session_expires() {
     let mut lab = Lab::default();

@@ -1,4 +1,5 @@
-//! Accuracy with each loss and both ends of contact, by what `--accuracy` chooses, against runs a hundred times tighter than the tightest.
+//! Accuracy with each loss and both ends of contact, by what `--accuracy` chooses, against runs a
+//! hundred times tighter than the tightest.
 
 use hertzscope::experiment::accuracy::run_to_accuracy;
 use hertzscope::experiment::outcome::Summary;
@@ -7,7 +8,8 @@ use hertzscope::integrate::Method;
 
 use super::scene_with;
 
-/// Drift of the ledger that a run at 1e-9 may have in terms of its accuracy: what is not located adds up like steps (1).
+/// Drift of the ledger that a run at 1e-9 may have in terms of its accuracy: what is not located
+/// adds up like steps (1).
 const MOST_DRIFT: f64 = 40.0;
 
 fn readings(summary: &Summary) -> Vec<f64> {

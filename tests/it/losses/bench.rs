@@ -23,7 +23,8 @@ fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")
 }
 
-/// Gravity only, 0.61 g, 0.5 N s/m in every contact, which ends at zero overlap: forces with the dashpots' part in them.
+/// Gravity only, 0.61 g, 0.5 N s/m in every contact, which ends at zero overlap: forces with the
+/// dashpots' part in them.
 #[test]
 fn dashpot_golden() {
     const ACCURACY: f64 = 1e-9;
@@ -54,8 +55,8 @@ fn dashpot_golden() {
     }
 }
 
-/// Speed from particle 14 to 27 by the half-rise of the elastic part of the forces: the reference's readings leave the losses' own
-/// part out, which a plate would feel.
+/// Speed from particle 14 to 27 by the half-rise of the elastic part of the forces: the reference's
+/// readings leave the losses' own part out, which a plate would feel.
 fn elastic_speed(scene: &Scene, elastic: &Scene) -> f64 {
     let probe = |p: usize| ForceProbe::inside(&elastic.chain, p, 0.0).expect("a particle");
     let method = Method::DormandPrince853 { tolerance: 1e-8 };
@@ -71,8 +72,8 @@ fn elastic_speed(scene: &Scene, elastic: &Scene) -> f64 {
     elastic.chain.distance(14, 27) / (rises[1] - rises[0])
 }
 
-/// One dashpot raises the preloaded speed and lowers the unloaded one; Kuwabara and Kono's loss that lowers the unloaded one as much does
-/// not raise the preloaded one.
+/// One dashpot raises the preloaded speed and lowers the unloaded one; Kuwabara and Kono's loss
+/// that lowers the unloaded one as much does not raise the preloaded one.
 #[test]
 fn signs_of_the_speeds() {
     let change = |base: &str, lossy: &Scene| {
@@ -93,8 +94,8 @@ fn signs_of_the_speeds() {
     assert!(viscoelastic[0] < 0.0, "{viscoelastic:?}");
 }
 
-/// Entrance oscillations of the shock: mean frequency over the first five maxima of the elastic force inside particle 2, heavy striker and
-/// magnet.
+/// Entrance oscillations of the shock: mean frequency over the first five maxima of the elastic
+/// force inside particle 2, heavy striker and magnet.
 #[test]
 fn entrance_oscillations_get_faster() {
     const INTERVAL: f64 = 50e-9;

@@ -33,7 +33,8 @@ fn restitution(chain: &Chain, method: Method) -> f64 {
     (velocity[1] - velocity[0]) / SPEED
 }
 
-/// The table of the viscoelastic collision for `x = 3/2 eta (A/mu)^(2/5) v^(1/5)`, as printed to six digits.
+/// The table of the viscoelastic collision for `x = 3/2 eta (A/mu)^(2/5) v^(1/5)`, as printed to
+/// six digits.
 #[test]
 fn viscoelastic_restitution() {
     let elastic = chain(EffectsSpec::default());
@@ -61,8 +62,9 @@ fn viscoelastic_restitution() {
     }
 }
 
-/// A dashpot in a collision that ends at zero overlap, for an elastic contact that is negligible: velocities decay as
-/// `exp(-gamma t/mu)` while the overlap grows to `mu v/gamma`, so that nothing of the approach comes back.
+/// A dashpot in a collision that ends at zero overlap, for an elastic contact that is negligible:
+/// velocities decay as `exp(-gamma t/mu)` while the overlap grows to `mu v/gamma`, so that nothing
+/// of the approach comes back.
 #[test]
 fn dashpots_take_what_they_must() {
     let loss = |gamma| Dashpot { gamma: everywhere(gamma, EndOfContact::ZeroForce) };

@@ -1,4 +1,5 @@
-//! Energy is accounted for: motion, contacts, loads, each loss by name, and what is left in contacts that are held at zero force.
+//! Energy is accounted for: motion, contacts, loads, each loss by name, and what is left in
+//! contacts that are held at zero force.
 
 use hertzscope::chain::{Chain, ChainSpec, Dashpot, EffectsSpec, End, EndOfContact, LossSpec};
 use hertzscope::integrate::Method;
@@ -55,7 +56,8 @@ fn the_ledger_closes_with_each_loss() {
     }
 }
 
-/// A run that ends while the contact is held at zero force: its elastic energy is booked as left, not as elastic.
+/// A run that ends while the contact is held at zero force: its elastic energy is booked as left,
+/// not as elastic.
 #[test]
 fn contacts_held_at_the_end_are_booked() {
     let gamma = LossSpec { value: 20.0, overrides: Vec::new(), end: EndOfContact::ZeroForce };

@@ -35,7 +35,8 @@ fn farthest(found: &[f64], exact: &[f64]) -> f64 {
     found.iter().zip(exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// The same contacts with the sign of the overlap for a flag, as a loop that knows no flags would have it.
+/// The same contacts with the sign of the overlap for a flag, as a loop that knows no flags would
+/// have it.
 struct Unflagged {
     chain: Chain,
     gamma: f64,
@@ -64,8 +65,9 @@ impl System for Unflagged {
     }
 }
 
-/// With contact flags as state and steps cut at their events, the fixed step keeps the order that Hertz's own kink leaves (2.5: the force
-/// goes as `t^1.5` from where a contact closes); with the sign of the overlap in their place it falls to 1.
+/// With contact flags as state and steps cut at their events, the fixed step keeps the order that
+/// Hertz's own kink leaves (2.5: the force goes as `t^1.5` from where a contact closes); with the
+/// sign of the overlap in their place it falls to 1.
 #[test]
 fn flags_keep_the_order_that_signs_lose() {
     let gamma = 2.0;
@@ -124,8 +126,8 @@ fn tolerances_are_kept_across_jumps() {
     }
 }
 
-/// From no loss to overdamped: the method that `--accuracy` chooses keeps to it, and where losses are stiff it pays less than the
-/// explicit pair's stability would cost.
+/// From no loss to overdamped: the method that `--accuracy` chooses keeps to it, and where losses
+/// are stiff it pays less than the explicit pair's stability would cost.
 #[test]
 fn dashpots_of_any_size_are_served() {
     for base in ["magnet-0.61g", "gravity-0.61g"] {

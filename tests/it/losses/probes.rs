@@ -1,5 +1,5 @@
-//! What a probe feels of contacts with losses within a step: the force at its end by the chain's own formula, and a rate of change that is the
-//! force's slope.
+//! What a probe feels of contacts with losses within a step: the force at its end by the chain's
+//! own formula, and a rate of change that is the force's slope.
 
 use hertzscope::chain::{Chain, ChainSystem, ForceProbe};
 use hertzscope::integrate::{Method, State};
@@ -11,7 +11,8 @@ use super::{dashpot, scene_with, viscoelastic};
 const TOLERANCE: f64 = 1e-11;
 /// Half the distance of the two forces that make a slope, in fractions of a step.
 const APART: f64 = 1e-3;
-/// Slopes by differences are off by this share of a third derivative, and steps are so short that a force's is below the force itself.
+/// Slopes by differences are off by this share of a third derivative, and steps are so short that a
+/// force's is below the force itself.
 const BOUND: f64 = APART * APART / 6.0;
 
 #[test]

@@ -1,5 +1,6 @@
-//! Errors over many accuracies asked for, with losses and under a magnet that follows its particle, of runs that nobody checks, as in a sweep: none
-//! may miss, however its steps happen to fall on the openings of contacts.
+//! Errors over many accuracies asked for, with losses and under a magnet that follows its particle,
+//! of runs that nobody checks, as in a sweep: none may miss, however its steps happen to fall on
+//! the openings of contacts.
 
 use hertzscope::chain::simd::InstructionSet;
 use hertzscope::experiment::Integration;

@@ -1,4 +1,5 @@
-//! A magnet whose force follows its particle: statics, motion, energy, accuracy, and what a scene can say of it.
+//! A magnet whose force follows its particle: statics, motion, energy, accuracy, and what a scene
+//! can say of it.
 
 use hertzscope::chain::{
     Chain, ChainSpec, EffectsSpec, End, LinearisedContacts, MagnetForce, MagnetLaw, MagnetPreload,
@@ -43,7 +44,8 @@ fn slope_and_energy_are_those_of_the_force() {
             let off = field.pull_slope(z, &sphere) - slope;
             assert!(off.abs() < 1e-6 * slope.abs().max(100.0), "{saturation} {z}: {off:e}");
         }
-        // The midpoint rule's error is h^2/24 times the force's bend, 1e-9 of the sum here; saturation begins on the way.
+        // The midpoint rule's error is h^2/24 times the force's bend, 1e-9 of the sum here;
+        // saturation begins on the way.
         let (from, parts) = (1.5e-3, 20_000);
         let h = 2.5e-3 / f64::from(parts);
         let sum: f64 = (0..parts).map(|i| pull(from + h * (f64::from(i) + 0.5)) * h).sum();
@@ -69,8 +71,8 @@ fn slope_and_energy_are_those_of_the_force() {
     }
 }
 
-/// The static state of a magnet whose distance was set before anything pressed, by Newton's method on the displacement; the program
-/// looks for the force by halving.
+/// The static state of a magnet whose distance was set before anything pressed, by Newton's method
+/// on the displacement; the program looks for the force by halving.
 #[test]
 fn a_magnet_set_on_the_unloaded_chain_settles() {
     for gravity in [true, false] {
@@ -81,7 +83,8 @@ fn a_magnet_set_on_the_unloaded_chain_settles() {
         let field = ring(15e-3, 6e-3, 6e-3, 1.3).at(ROOM);
         let sphere = Sphere { radius: sphere, saturation: 2.0 };
         let pull = |sunk: f64| field.pull(3e-3 + 0.6e-3 - sunk, &sphere);
-        // Below the sphere every contact bears the magnet's force and the weight of all particles above it.
+        // Below the sphere every contact bears the magnet's force and the weight of all particles
+        // above it.
         let sinks = |force: f64| -> f64 {
             let mut weight = 0.0;
             let mut sum = 0.0;
@@ -104,7 +107,8 @@ fn a_magnet_set_on_the_unloaded_chain_settles() {
         let below = chain.contacts()[2].static_force - force;
         let weight = if gravity { 9.81 * 0.45e-3 } else { 0.0 };
         assert!((below - weight).abs() < 1e-12, "{below}");
-        // As far as the chain gives, 0.2 mm and more, the force has grown by a fifth and more over that at 0.6 mm.
+        // As far as the chain gives, 0.2 mm and more, the force has grown by a fifth and more over
+        // that at 0.6 mm.
         assert!(force > 1.2 * pull(0.0) && sinks(force) > 0.2e-3);
     }
 }
@@ -133,7 +137,8 @@ fn pinned(stiffness: f64, law: bool) -> Chain {
     Chain::new(&spec).expect("a chain")
 }
 
-/// One sphere between a wall and a force that grows in a straight line: `x = v/w sin w t`, `w^2 = (beta - k)/m`.
+/// One sphere between a wall and a force that grows in a straight line: `x = v/w sin w t`,
+/// `w^2 = (beta - k)/m`.
 #[test]
 fn a_straight_line_is_a_spring() {
     for (growth, law) in [(2e6, true), (-2e6, true), (2e6, false)] {
@@ -160,8 +165,9 @@ fn a_straight_line_is_a_spring() {
     }
 }
 
-/// Loads' energies, each apart, against the work of the forces along the way, summed by Simpson's rule over the film of a run; and their
-/// sum against the static contact forces, which balance them.
+/// Loads' energies, each apart, against the work of the forces along the way, summed by Simpson's
+/// rule over the film of a run; and their sum against the static contact forces, which balance
+/// them.
 #[test]
 fn each_load_is_booked_with_its_own_work() {
     let found = with_ring("magnet-17.81g", "force = \"2.38 N\"\n");
@@ -220,7 +226,8 @@ const LOSSES: [&str; 3] = [
     "[effects.dashpot]\ngamma = \"100 N*s/m\"\nend_of_contact = \"zero_overlap\"\n",
 ];
 
-/// What accuracy promises holds with a magnet that follows, lossless, with losses and with stiff ones; and the ledger closes.
+/// What accuracy promises holds with a magnet that follows, lossless, with losses and with stiff
+/// ones; and the ledger closes.
 #[test]
 fn accuracy_and_ledger_hold() {
     for base in ["magnet-0.61g", "magnet-17.81g"] {
@@ -254,7 +261,8 @@ fn accuracy_and_ledger_hold() {
     }
 }
 
-/// A ring whose force is held is the constant force it has at rest; where it follows, the heavy striker's shock has changed by percents.
+/// A ring whose force is held is the constant force it has at rest; where it follows, the heavy
+/// striker's shock has changed by percents.
 #[test]
 fn a_law_that_is_off_is_a_constant_force() {
     let held =

@@ -1,6 +1,8 @@
-//! Blind tests through the forward model of [`super::forward`]: stated intervals of 95 % hold the hidden truth in 93 to 97 % of the trials.
+//! Blind tests through the forward model of [`super::forward`]: stated intervals of 95 % hold the
+//! hidden truth in 93 to 97 % of the trials.
 //!
-//! The suite runs two conditions of each; `HERTZSCOPE_FULL` runs all sixteen: noise of 0.1, 0.35, 1 and 3 levels, with and without gain errors, at two time bases.
+//! The suite runs two conditions of each; `HERTZSCOPE_FULL` runs all sixteen: noise of 0.1, 0.35, 1
+//! and 3 levels, with and without gain errors, at two time bases.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -26,14 +28,16 @@ use hertzscope::scene::{Scene, plan};
 /// Sample intervals of pulses and impacts (s).
 const INTERVALS: [f64; 2] = [0.4e-6, 1e-6];
 
-/// Sensitivity and time constant of the sensor at `channel` of `scene`, as the recording tells them.
+/// Sensitivity and time constant of the sensor at `channel` of `scene`, as the recording tells
+/// them.
 fn circuit(set: &TraceSet, channel: usize) -> (f64, f64) {
     let facts = &set.metadata[&format!("hertzscope:sensor/{channel}")];
     let number = |key: &str| facts[key].parse().expect("a number");
     (number("sensitivity_v_per_n"), number("time_constant_s"))
 }
 
-/// What the recording of `scene` tells of its sensors; unless gains are off, that the scope is exact.
+/// What the recording of `scene` tells of its sensors; unless gains are off, that the scope is
+/// exact.
 fn told(scene: &Scene, set: &mut TraceSet, condition: Condition) {
     set.metadata = facts::facts(scene, Integration::Accuracy(1e-6)).expect("facts");
     if condition.gain_errors {
@@ -151,7 +155,8 @@ fn calibrated(plan: &Path) -> calibration::CalibrationReport {
     calibration::run(&plan, &TableColumns::default()).expect("a calibration").report
 }
 
-/// Striker's speed and PTFE's modulus, fitted together to three records of a chain of ten particles.
+/// Striker's speed and PTFE's modulus, fitted together to three records of a chain of ten
+/// particles.
 #[test]
 fn fitted_parameters_are_covered() {
     const PATHS: [&str; 2] = ["striker.speed", "materials.ptfe.youngs_modulus"];
@@ -205,7 +210,8 @@ fn fitted_parameters_are_covered() {
     all_hold(checked);
 }
 
-/// Forces at the sensors of `scene` as functions of the time after the contact, until `end` (s), on straight lines between twentieths of a sample.
+/// Forces at the sensors of `scene` as functions of the time after the contact, until `end` (s), on
+/// straight lines between twentieths of a sample.
 fn forces(scene: &Scene, end: f64, interval: f64) -> Vec<impl Fn(f64) -> f64> {
     let case = Case::of(scene, 1e-8, &places(scene));
     let grid = Grid { start: 0.0, interval: interval / 20.0 };

@@ -8,8 +8,9 @@ use super::{recorded, scene, surveyed};
 
 const OFFSETS: &str = "sensors.p14.offset = 0.4\nsensors.p27.offset = -0.4\n";
 
-/// From 14 to 27 the centres are 51.123 mm apart; 0.4 of a sphere of 4.76 mm below one centre and 0.4 of a cylinder of 3.12 mm above the
-/// other leave 51.123 - 0.4 (4.76 + 3.12) = 47.971 mm, by hand.
+/// From 14 to 27 the centres are 51.123 mm apart; 0.4 of a sphere of 4.76 mm below one centre and
+/// 0.4 of a cylinder of 3.12 mm above the other leave 51.123 - 0.4 (4.76 + 3.12) = 47.971 mm, by
+/// hand.
 #[test]
 fn speeds_use_the_plate_offset() {
     let scene = scene("magnet-0.61g", OFFSETS);
@@ -33,7 +34,8 @@ fn speeds_use_the_plate_offset() {
     assert!((score.distance_m - run.distance_m).abs() < 1e-12, "{score:?}");
 }
 
-/// 2 % of a sphere's length is 95.2 um; of 51 mm and 300 us with 0.3 us that is more than the arrivals' part.
+/// 2 % of a sphere's length is 95.2 um; of 51 mm and 300 us with 0.3 us that is more than the
+/// arrivals' part.
 #[test]
 fn the_stated_uncertainty_of_an_offset_counts_in_speeds() {
     let text = "[uncertainty]\n\"sensors.*.offset\" = 0.0\n";
@@ -51,7 +53,8 @@ fn the_stated_uncertainty_of_an_offset_counts_in_speeds() {
     assert!((stated.m_per_s.u / exact.m_per_s.u.hypot(part) - 1.0).abs() < 1e-9, "{stated:?}");
 }
 
-/// Two plates in particle 14: each by its name, and no decay within one host, nor between a sphere and a cylinder.
+/// Two plates in particle 14: each by its name, and no decay within one host, nor between a sphere
+/// and a cylinder.
 #[test]
 fn two_plates_in_one_particle_are_told_by_their_names() {
     let text = "sensors.p14.offset = 0.3\n[sensors.p14b]\nmodel = \"pzt-5a-710pf\"\nparticle = 14\noffset = -0.3\n\

@@ -1,4 +1,5 @@
-//! What a fit states holds where the scope has an offset, a gain error, or hardly any noise; and what it cannot find it does not state.
+//! What a fit states holds where the scope has an offset, a gain error, or hardly any noise; and
+//! what it cannot find it does not state.
 
 use assert_cmd::Command;
 use hertzscope::experiment::{Integration, facts, run};
@@ -54,7 +55,8 @@ impl Lab {
     }
 }
 
-/// Zeros of 3.5 levels, within the data sheet: of 12 intervals with fixed zeros none held the speed.
+/// Zeros of 3.5 levels, within the data sheet: of 12 intervals with fixed zeros none held the
+/// speed.
 #[test]
 fn a_zero_error_moves_no_fitted_speed() {
     let offsets = "[scope.ch1]\noffset = \"140 mV\"\n[scope.ch2]\noffset = \"-140 mV\"\n[scope.ch3]\noffset = \"100 mV\"\n";

@@ -1,5 +1,6 @@
-//! A forward model of its own for blind tests: a force as a function of time, the sensor's circuit integrated by Runge and Kutta at ten times the sampling, a gain,
-//! a zero, noise, eight bits, and a scope's CSV files. Nothing here is what the analysis inverts.
+//! A forward model of its own for blind tests: a force as a function of time, the sensor's circuit
+//! integrated by Runge and Kutta at ten times the sampling, a gain, a zero, noise, eight bits, and
+//! a scope's CSV files. Nothing here is what the analysis inverts.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -28,12 +29,14 @@ pub struct Condition {
     pub interval: f64,
 }
 
-/// Trials of one condition: as many as it takes to tell 97 % from 99 %, and with `HERTZSCOPE_FULL` from 98 %.
+/// Trials of one condition: as many as it takes to tell 97 % from 99 %, and with `HERTZSCOPE_FULL`
+/// from 98 %.
 pub fn trials() -> u32 {
     if std::env::var_os("HERTZSCOPE_FULL").is_none() { 300 } else { 1000 }
 }
 
-/// The conditions of a test at two sample `intervals` (s): all with `HERTZSCOPE_FULL`, else two of them.
+/// The conditions of a test at two sample `intervals` (s): all with `HERTZSCOPE_FULL`, else two of
+/// them.
 pub fn conditions(intervals: [f64; 2]) -> Vec<Condition> {
     let one = |noise, gain_errors, interval| Condition { noise, gain_errors, interval };
     if std::env::var_os("HERTZSCOPE_FULL").is_none() {
@@ -94,8 +97,8 @@ impl Pulse {
     }
 }
 
-/// Codes of a record whose trigger is at time 0, behind a circuit of sensitivity `s` (V/N) and time constant `tau` (s): `V = s N - q`, `q' = V/tau`, in ten
-/// steps a sample by Runge and Kutta.
+/// Codes of a record whose trigger is at time 0, behind a circuit of sensitivity `s` (V/N) and time
+/// constant `tau` (s): `V = s N - q`, `q' = V/tau`, in ten steps a sample by Runge and Kutta.
 pub fn codes(
     force: &dyn Fn(f64) -> f64,
     (s, tau): (f64, f64),
@@ -183,10 +186,12 @@ pub fn recorded(folder: &Path, channels: &[Vec<i32>], interval: f64) -> TraceSet
     all.expect("a channel")
 }
 
-/// Quantities whose intervals are known to be too wide up to so many levels of noise, with the largest share that they held in 1000 trials of each
-/// condition: an open fault, `docs/uncertainty.md`. Their lower ends are checked like all others.
+/// Quantities whose intervals are known to be too wide up to so many levels of noise, with the
+/// largest share that they held in 1000 trials of each condition: an open fault,
+/// `docs/uncertainty.md`. Their lower ends are checked like all others.
 const KNOWN_TOO_WIDE: [(&str, f64); 2] = [
-    // 98.4 %: a single code before the pulse leaves open how quiet the scope is, and with it where in that code the zero lies.
+    // 98.4 %: a single code before the pulse leaves open how quiet the scope is, and with it where
+    // in that code the zero lies.
     ("height", 0.1),
     // 98.2 %: the same.
     ("time constant", 0.1),
@@ -217,7 +222,8 @@ impl Tally {
         self.all += 1;
     }
 
-    /// Between 93 and 97 %, as far as so many trials tell: two binomial deviations beyond either end.
+    /// Between 93 and 97 %, as far as so many trials tell: two binomial deviations beyond either
+    /// end.
     pub fn check(&self, what: &str, condition: Condition) -> Result<(), String> {
         let all = f64::from(self.all);
         let share = f64::from(self.inside) / all;

@@ -16,7 +16,8 @@ fn json(folder: &Path, arguments: &[&str]) -> Value {
     serde_json::from_str(&printed(folder, &[arguments, &["--json"]].concat())).expect("JSON")
 }
 
-/// Every `u` has its `U95`: from 1.65 times as much, where even limits outweigh the rest, to Student's 12.71 of one degree of freedom.
+/// Every `u` has its `U95`: from 1.65 times as much, where even limits outweigh the rest, to
+/// Student's 12.71 of one degree of freedom.
 fn check(value: &Value, what: &str, count: &mut usize) {
     match value {
         Value::Array(list) => list.iter().for_each(|value| check(value, what, count)),

@@ -1,4 +1,5 @@
-//! Calibrations: local gravity, scatter, non-linearity, plans that contradict themselves, and the chain in the sensor's file.
+//! Calibrations: local gravity, scatter, non-linearity, plans that contradict themselves, and the
+//! chain in the sensor's file.
 
 use assert_cmd::Command;
 use hertzscope::analysis::calibration::model::SpeedSource;
@@ -28,7 +29,8 @@ fn hertzscope(folder: &Path, arguments: &[&str]) -> assert_cmd::assert::Assert {
     command.current_dir(folder).args(arguments).assert()
 }
 
-/// Without a statement gravity is the standard value, and may be any on the ground: 9.780 to 9.832 m/s^2, 0.27 % around it. A statement says its uncertainty.
+/// Without a statement gravity is the standard value, and may be any on the ground: 9.780 to 9.832
+/// m/s^2, 0.27 % around it. A statement says its uncertainty.
 #[test]
 fn gravity_has_an_uncertainty() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -45,7 +47,8 @@ fn gravity_has_an_uncertainty() {
     assert!(told.contains("gravity_u"), "{told}");
 }
 
-/// Records through a dividing probe, and a plan that has the scope's own input as the load: ten megohms beside one, another time constant.
+/// Records through a dividing probe, and a plan that has the scope's own input as the load: ten
+/// megohms beside one, another time constant.
 #[test]
 fn a_probe_that_the_plan_does_not_know_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -61,7 +64,8 @@ fn a_probe_that_the_plan_does_not_know_is_refused() {
     assert!(told.contains("a probe of 10 x") && told.contains("input_resistance"), "{told}");
 }
 
-/// Readings that scatter more than their stated uncertainties: 400 calibrations each, whose coverage scatters by 1.1 %.
+/// Readings that scatter more than their stated uncertainties: 400 calibrations each, whose
+/// coverage scatters by 1.1 %.
 #[test]
 fn intervals_hold_where_impacts_scatter_more_than_stated() {
     let truth = BENCH.designer.circuit().expect("a circuit").sensitivity;
@@ -85,7 +89,8 @@ fn intervals_hold_where_impacts_scatter_more_than_stated() {
     }
 }
 
-/// A sensor whose sensitivity rises by 4 % up to the highest force, 60 times: the interval holds its sensitivity at that force.
+/// A sensor whose sensitivity rises by 4 % up to the highest force, 60 times: the interval holds
+/// its sensitivity at that force.
 #[test]
 fn a_non_linearity_that_is_found_counts() {
     let circuit = BENCH.designer.circuit().expect("a circuit");
@@ -109,8 +114,8 @@ fn a_non_linearity_that_is_found_counts() {
     assert!(found_it > 30, "{found_it} found");
 }
 
-/// Half of the heights ten times too large: the impacts contradict each other. No certificate, exit code 1; `--force` certifies all the same. So do rebounds that are
-/// faster than the fall.
+/// Half of the heights ten times too large: the impacts contradict each other. No certificate, exit
+/// code 1; `--force` certifies all the same. So do rebounds that are faster than the fall.
 #[test]
 fn a_plan_that_contradicts_itself_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -176,7 +181,8 @@ fn the_sensors_file_carries_channel_and_range() {
     let sensor = plates::load(&file).expect("readable").expect("a sensor");
     let chain = sensor.measured.chain.expect("a chain");
     assert_eq!((chain.channel, chain.range), (1, 2.0));
-    // Used at 2 V/div nothing is added; through another range of a scope that nobody knows, both gains count.
+    // Used at 2 V/div nothing is added; through another range of a scope that nobody knows, both
+    // gains count.
     let wire = format!("CH1={file}");
     let json = hertzscope(at, &["force", "impact-1.mcap", "--sensor", &wire, "--json"]).success();
     let found: serde_json::Value = serde_json::from_slice(&json.get_output().stdout).expect("JSON");
@@ -190,7 +196,8 @@ fn the_sensors_file_carries_channel_and_range() {
     assert!(page.contains("u = 2.45 %") && page.contains("CH1 at 5.00 V/div"), "{page}");
 }
 
-/// Behind a charge amplifier the sensitivity is its gain times the charge; the sensor's file names no input, so that it holds for any.
+/// Behind a charge amplifier the sensitivity is its gain times the charge; the sensor's file names
+/// no input, so that it holds for any.
 #[test]
 fn a_charge_amplifier_is_a_load() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -213,7 +220,8 @@ fn a_charge_amplifier_is_a_load() {
     assert!(certificate.contains("a charge amplifier of 10 mV/pC"), "{certificate}");
 }
 
-/// A plate below 1 g of 8 g that move as a whole feels 7/8 of the momentum: the plan's masses give back the sensor's own sensitivity, and their uncertainty counts.
+/// A plate below 1 g of 8 g that move as a whole feels 7/8 of the momentum: the plan's masses give
+/// back the sensor's own sensitivity, and their uncertainty counts.
 #[test]
 fn what_stays_above_the_plate_is_taken_off() {
     let circuit = BENCH.designer.circuit().expect("a circuit");
@@ -240,7 +248,8 @@ fn what_stays_above_the_plate_is_taken_off() {
     assert!(told.contains("mass_above_u") || told.contains("mass_moved"), "{told}");
 }
 
-/// A laboratory's own striker, heights, gates and scope make the design; what is wrong in its file is told with its place.
+/// A laboratory's own striker, heights, gates and scope make the design; what is wrong in its file
+/// is told with its place.
 #[test]
 fn a_design_uses_what_the_laboratory_has() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,5 @@
-//! The first pulse is none that chance makes of many samples, and none that the converter has cut off.
+//! The first pulse is none that chance makes of many samples, and none that the converter has cut
+//! off.
 
 use assert_cmd::Command;
 use hertzscope::analysis::arrival::Estimator;
@@ -9,8 +10,8 @@ use rand_pcg::Pcg64;
 
 use super::{recorded, scene, surveyed};
 
-/// A pulse of 0.85 V in noise of 0.08 V, 480 records: a quarter of its height is 2.7 standard deviations of noise, which some of 900 samples before it
-/// pass; none is a first pulse.
+/// A pulse of 0.85 V in noise of 0.08 V, 480 records: a quarter of its height is 2.7 standard
+/// deviations of noise, which some of 900 samples before it pass; none is a first pulse.
 #[test]
 fn noise_is_no_first_pulse() {
     let interval = 1e-6;
@@ -41,8 +42,9 @@ fn noise_is_no_first_pulse() {
     }
 }
 
-/// A channel at 200 mV/div, whose first pulse is half as high again as its range: before, 2.7786 ± 0.0060 N of 3.19 N, an arrival 1.4 times too early, speeds of
-/// 169.5 ± 0.3 m/s of 166.6 m/s, and normalised errors of 0. Clipping of later pulses leaves the first.
+/// A channel at 200 mV/div, whose first pulse is half as high again as its range: before, 2.7786 ±
+/// 0.0060 N of 3.19 N, an arrival 1.4 times too early, speeds of 169.5 ± 0.3 m/s of 166.6 m/s, and
+/// normalised errors of 0. Clipping of later pulses leaves the first.
 #[test]
 fn a_clipped_first_pulse_has_neither_height_nor_arrival() {
     let set = recorded(&scene("magnet-0.61g", "[scope.ch2]\nscale = \"200 mV/div\"\n"), 1e-5);
@@ -58,7 +60,8 @@ fn a_clipped_first_pulse_has_neither_height_nor_arrival() {
             && ends.iter().all(|ends| *ends == ("CH1", "CH3") || *ends == ("CH3", "CH4")),
         "{ends:?}"
     );
-    // The wall's first pulse is its highest; particle 27's echo is higher than its first pulse, and alone leaves this range.
+    // The wall's first pulse is its highest; particle 27's echo is higher than its first pulse, and
+    // alone leaves this range.
     let later = recorded(
         &scene("magnet-0.61g", "[scope.ch3]\nscale = \"200 mV/div\"\nposition = \"0 div\"\n"),
         1e-5,

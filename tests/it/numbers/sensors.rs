@@ -1,4 +1,5 @@
-//! What a sensor's file says counts: differences of temperature, tolerances of measured sensors, the chain it was calibrated with.
+//! What a sensor's file says counts: differences of temperature, tolerances of measured sensors,
+//! the chain it was calibrated with.
 
 use hertzscope::experiment::{Integration, facts::facts, run};
 use hertzscope::scene::Scene;
@@ -33,7 +34,8 @@ const MINE: &str =
     "sensitivity = \"0.4 V/N\"\nsensitivity_u = \"2 %\"\ntau = \"1 ms\"\ntau_u = \"1 %\"\n";
 const TOLERANCE: &str = "[effects.sensor_tolerance]\nspread = \"20 %\"\n";
 
-/// A measured sensor is drawn with its own uncertainty, whatever the data sheet's tolerance is; without one it is refused.
+/// A measured sensor is drawn with its own uncertainty, whatever the data sheet's tolerance is;
+/// without one it is refused.
 #[test]
 fn measured_sensors_are_drawn_within_their_own_uncertainty() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -78,7 +80,8 @@ fn a_calibration_in_another_host_is_noted() {
     }
 }
 
-/// 3 % of the data sheet, evenly, is 3 %/sqrt(3) = 1.732 %; at another range than the chain's both gains count; at the chain's none does.
+/// 3 % of the data sheet, evenly, is 3 %/sqrt(3) = 1.732 %; at another range than the chain's both
+/// gains count; at the chain's none does.
 #[test]
 fn a_chain_is_a_chain_at_its_channel_and_range_alone() {
     let folder = tempfile::tempdir().expect("a folder");

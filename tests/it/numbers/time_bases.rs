@@ -4,8 +4,9 @@ use hertzscope::experiment::{Integration, run};
 
 use super::scene;
 
-/// What a momentum test leaves behind its contact: the charge that has leaked during it, `-S I/tau` of the impulse `I`, decaying with `tau`. Computed from
-/// the true force by the circuit's equation in small steps.
+/// What a momentum test leaves behind its contact: the charge that has leaked during it, `-S I/tau`
+/// of the impulse `I`, decaying with `tau`. Computed from the true force by the circuit's equation
+/// in small steps.
 #[test]
 fn slow_time_bases_trigger_and_show_the_undershoot() {
     for (base, late) in [("5 ms/div", 100e-6), ("10 ms/div", 200e-6)] {
@@ -41,7 +42,8 @@ fn slow_time_bases_trigger_and_show_the_undershoot() {
                 count += 1.0;
             }
         }
-        // Noise of half a level and rounding, over the root of some hundred samples: a tenth of a level of 40 mV.
+        // Noise of half a level and rounding, over the root of some hundred samples: a tenth of a
+        // level of 40 mV.
         let off: f64 = off / count;
         assert!(off.abs() < 4e-3, "{base}: {off} V off on average of {count}");
     }

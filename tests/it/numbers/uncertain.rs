@@ -1,4 +1,5 @@
-//! Uncertain scenes: intervals that hold, shares that one-at-a-time runs confirm, and comparisons by what both sides know.
+//! Uncertain scenes: intervals that hold, shares that one-at-a-time runs confirm, and comparisons
+//! by what both sides know.
 
 use assert_cmd::Command;
 use hertzscope::experiment::outcome::Speed;
@@ -42,7 +43,8 @@ fn adjustable(folder: &tempfile::TempDir, text: &str) -> (Adjustable, String) {
     (Adjustable::load(&name).expect("a scene"), name)
 }
 
-/// Changes with one standard uncertainty against runs with that input alone moved by half of one to either side; shares add up to what is explained.
+/// Changes with one standard uncertainty against runs with that input alone moved by half of one to
+/// either side; shares add up to what is explained.
 #[test]
 fn a_budget_agrees_with_one_input_at_a_time() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -75,8 +77,9 @@ fn a_budget_agrees_with_one_input_at_a_time() {
     }
 }
 
-/// Sixteen inputs of a hundred samples go together by chance: shares of a first peak added up to more than 100 % before. And a mass that may only be larger has an interval
-/// on one side: both ends are told, none is behind a `±`.
+/// Sixteen inputs of a hundred samples go together by chance: shares of a first peak added up to
+/// more than 100 % before. And a mass that may only be larger has an interval on one side: both
+/// ends are told, none is behind a `±`.
 #[test]
 fn shares_are_parts_of_one_and_lopsided_intervals_have_two_ends() {
     let mut scene = Adjustable::load("magnet-0.61g").expect("a scene");
@@ -97,7 +100,8 @@ fn shares_are_parts_of_one_and_lopsided_intervals_have_two_ends() {
     let page = String::from_utf8_lossy(&page.get_output().stdout).into_owned();
     let line = page.lines().find(|line| line.contains("p14 first peak")).expect("a peak");
     assert!(line.contains(" to ") && !line.contains('±'), "{line}");
-    // 95 % from 0.4405 to 0.4595 m/s: 0.458 is inside, 0.425 outside though within 95 % of 0.44 by a symmetric one.
+    // 95 % from 0.4405 to 0.4595 m/s: 0.458 is inside, 0.425 outside though within 95 % of 0.44 by
+    // a symmetric one.
     for (speed, agrees) in [("0.458 m/s", true), ("0.425 m/s", false)] {
         let text = format!("base = {name:?}\nstriker.speed = \"{speed}\"\n");
         std::fs::write(folder.path().join("other.toml"), text).expect("a scene");
@@ -126,8 +130,9 @@ fn limits_hold_the_scenes_own_value() {
     assert!(words.contains("striker.speed") && words.contains("440.0 mm/s"), "{words}");
 }
 
-/// Gains and zeros that a run draws from its seed are inputs of a prediction: its values are those of an exact scope, in the middle of their intervals, and a measured
-/// reading that is held against them has no gain of its own.
+/// Gains and zeros that a run draws from its seed are inputs of a prediction: its values are those
+/// of an exact scope, in the middle of their intervals, and a measured reading that is held against
+/// them has no gain of its own.
 #[test]
 fn gains_count_once() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -178,7 +183,8 @@ fn value_of(name: &str, drawn: &Prediction) -> Option<f64> {
     Some(drawn.speeds.iter().find(of)?.m_per_s)
 }
 
-/// Benches drawn from the stated distribution by another generator: 95 % of their peaks and speeds lie in the intervals, and 95 % of the traces' points in the bands.
+/// Benches drawn from the stated distribution by another generator: 95 % of their peaks and speeds
+/// lie in the intervals, and 95 % of the traces' points in the bands.
 #[test]
 fn intervals_and_bands_hold_drawn_benches() {
     const DRAWN: u32 = 1000;
@@ -235,7 +241,8 @@ fn intervals_and_bands_hold_drawn_benches() {
     assert!((0.93..=0.97).contains(&covered), "{covered}");
 }
 
-/// Ends of intervals by the samples that are drawn without being told, against ten times as many: within 2 % of the interval's half-width.
+/// Ends of intervals by the samples that are drawn without being told, against ten times as many:
+/// within 2 % of the interval's half-width.
 #[test]
 fn percentiles_are_those_of_ten_times_as_many_samples() {
     let mut scene = Adjustable::load("magnet-0.61g").expect("a scene");
@@ -256,7 +263,8 @@ fn percentiles_are_those_of_ten_times_as_many_samples() {
     assert!(failed.is_empty(), "{failed:?}");
 }
 
-/// A scope at 200 mV/div: the bands end where the converter does, and the page says that recordings are clipped.
+/// A scope at 200 mV/div: the bands end where the converter does, and the page says that recordings
+/// are clipped.
 #[test]
 fn bands_end_where_the_converter_does() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -332,7 +340,8 @@ fn mistakes_in_an_uncertainty_are_told() {
     }
 }
 
-/// The shipped scenes state what the paper leaves open, each with its source; gravity scenes leave the magnet out.
+/// The shipped scenes state what the paper leaves open, each with its source; gravity scenes leave
+/// the magnet out.
 #[test]
 fn shipped_scenes_state_their_uncertainty() {
     for (name, has_magnet) in
@@ -354,8 +363,8 @@ fn shipped_scenes_state_their_uncertainty() {
     }
 }
 
-/// `E_n` of a bench from within the stated distribution stays below 1, and is above 1 for a striker that is four of its standard uncertainties too fast, whose move is
-/// named.
+/// `E_n` of a bench from within the stated distribution stays below 1, and is above 1 for a striker
+/// that is four of its standard uncertainties too fast, whose move is named.
 #[test]
 fn comparisons_go_by_what_both_sides_know() {
     let folder = tempfile::tempdir().expect("a folder");

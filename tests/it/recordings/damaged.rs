@@ -11,7 +11,8 @@ const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 const CHUNK: u8 = 0x06;
 const DATA_END: u8 = 0x0F;
 
-/// End of each top-level record of the data section, with its opcode; offsets from the file's start.
+/// End of each top-level record of the data section, with its opcode; offsets from the file's
+/// start.
 fn record_ends(bytes: &[u8]) -> Vec<(u8, usize)> {
     let mut at = MAGIC.len();
     let mut ends = Vec::new();
@@ -26,7 +27,8 @@ fn record_ends(bytes: &[u8]) -> Vec<(u8, usize)> {
     }
 }
 
-/// A recording of three shots, each in a chunk of its own, where each chunk ends, and where the data end.
+/// A recording of three shots, each in a chunk of its own, where each chunk ends, and where the
+/// data end.
 fn sound() -> (TraceSet, Vec<u8>, Vec<usize>, usize) {
     let set = set(3);
     let bytes = bytes_of(&set);

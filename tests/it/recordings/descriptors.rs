@@ -1,4 +1,5 @@
-//! The container's own library reads what is written, and the descriptors in the file fit the messages.
+//! The container's own library reads what is written, and the descriptors in the file fit the
+//! messages.
 
 use std::collections::BTreeMap;
 
@@ -91,7 +92,8 @@ fn descriptors_fit_the_messages() {
             "hertzscope.Setup"
         ]
     );
-    // Every field of what matters is filled in these tests, so that every descriptor has been held against one.
+    // Every field of what matters is filled in these tests, so that every descriptor has been held
+    // against one.
     for name in [
         "hertzscope.Capture",
         "hertzscope.Energy",

@@ -150,8 +150,8 @@ fn made_up_files_survive_a_recording_byte_for_byte() {
     }
 }
 
-/// Found with the file `tbs1072b-scan-F0000CH1.CSV`: a record in scan mode gives its trigger point as -0, and a recording
-/// forgot the sign, so that the file did not come back as it was.
+/// Found with the file `tbs1072b-scan-F0000CH1.CSV`: a record in scan mode gives its trigger point
+/// as -0, and a recording forgot the sign, so that the file did not come back as it was.
 #[test]
 fn a_negative_zero_keeps_its_sign() {
     let mut capture = channel(1, 1.0, 0);

@@ -37,7 +37,8 @@ fn noise(shot: &Shot) -> f64 {
     (codes.iter().map(|c| (c - mean).powi(2)).sum::<f64>() / 100.0).sqrt()
 }
 
-/// Noise of 0.2 div is 5 levels; of sixteen records a quarter is left, with the rounding's 0.29 levels on top.
+/// Noise of 0.2 div is 5 levels; of sixteen records a quarter is left, with the rounding's 0.29
+/// levels on top.
 #[test]
 fn averages_leave_a_quarter_of_the_noise() {
     let (_, single) = shot("", "");
@@ -68,7 +69,8 @@ fn peak_detection_keeps_lowest_and_highest() {
     assert!(width / 1250 > 15, "{}", width / 1250);
 }
 
-/// A pulse is fast: alternating coupling and the rejection of low frequencies trigger on it, the rejection of high ones later.
+/// A pulse is fast: alternating coupling and the rejection of low frequencies trigger on it, the
+/// rejection of high ones later.
 #[test]
 fn the_trigger_is_coupled() {
     // Hardly any noise: the level is to be crossed by the pulse.

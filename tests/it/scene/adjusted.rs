@@ -1,4 +1,5 @@
-//! Scenes with other numbers than the one they are made from: each what it would be if its file said so.
+//! Scenes with other numbers than the one they are made from: each what it would be if its file
+//! said so.
 
 use hertzscope::scene::adjust::Adjustable;
 use hertzscope::scene::{Scene, SceneError};

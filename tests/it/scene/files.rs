@@ -40,7 +40,8 @@ fn paths_are_relative_to_the_file_that_names_them() {
     ]);
     let scene = load_file(&folder.path().join("mine/scene.toml")).expect("sound");
     let striker = scene.spec.striker.as_ref().expect("a striker");
-    // What the scene itself names replaces what stands below, key by key: mass, speed and material from the file.
+    // What the scene itself names replaces what stands below, key by key: mass, speed and material
+    // from the file.
     assert_eq!(striker.mass.to_bits(), 3e-3_f64.to_bits());
     assert_eq!(striker.elasticity.youngs_modulus.to_bits(), 100e9_f64.to_bits());
     assert_eq!(scene.initial_velocities[0].to_bits(), 1.0_f64.to_bits());
@@ -119,7 +120,8 @@ fn a_problem_in_a_base_names_the_scene_that_stands_on_it() {
     assert!(!told[0].expected.contains("stands on"), "{}", told[0]);
 }
 
-/// A force instead of a wall, and the other way round: what is left to tell is that the one does not carry the chain, and that the other has no contact.
+/// A force instead of a wall, and the other way round: what is left to tell is that the one does
+/// not carry the chain, and that the other has no contact.
 #[test]
 fn an_end_of_the_chain_replaces_its_bases() {
     for (base, bottom, told) in [
@@ -179,7 +181,8 @@ fn models_that_are_not_there() {
     assert!(told[3].expected.contains("tds2014"), "{}", told[3]);
 }
 
-/// Everything that is missing in a scope's file is told at once; nothing in the scene becomes unknown by it.
+/// Everything that is missing in a scope's file is told at once; nothing in the scene becomes
+/// unknown by it.
 #[test]
 fn an_oscilloscope_file_with_gaps() {
     let shipped = hertzscope::data::instrument("", "tds2014").expect("it ships");

@@ -5,7 +5,8 @@ use super::{Mistake, load};
 /// Stands before what the bench of these tests has on.
 const OLD: &str = "[effects.scope_noise]";
 
-/// A loss in front of the bench's other effects, and what must be said about it: key, found, expected.
+/// A loss in front of the bench's other effects, and what must be said about it: key, found,
+/// expected.
 fn told(text: &str, key: &str, found: &str, expected: &str) {
     let new = format!("{text}\n\n{OLD}");
     Mistake { old: OLD, new: &new, key, found, expected }.is_told();

@@ -26,7 +26,8 @@ fn struck(ball: &str, more: &str, shape: &str) -> Result<Scene, String> {
     Scene::from_text("s", "s.toml", &text).map_err(|error| error.to_string())
 }
 
-/// pi/6 d^3 and pi/4 d^2 h, worked out by hand: 0.5236 cm3 of steel at 7.81 g/cm3, 0.1571 cm3 of brass at 8.47 g/cm3.
+/// pi/6 d^3 and pi/4 d^2 h, worked out by hand: 0.5236 cm3 of steel at 7.81 g/cm3, 0.1571 cm3 of
+/// brass at 8.47 g/cm3.
 #[test]
 fn masses_follow_from_density_and_shape() {
     let rod = "material = \"brass\"\ndiameter = \"10 mm\"\nheight = \"2 mm\"";

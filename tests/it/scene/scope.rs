@@ -22,7 +22,8 @@ fn time_bases_that_are_not_on_the_instrument() {
     ]);
 }
 
-/// 2 ms at 50 ms/div: a point every 200 us, ten in all. At 5 ns/div, 1 GS/s: 30 ms are 30 million samples.
+/// 2 ms at 50 ms/div: a point every 200 us, ten in all. At 5 ns/div, 1 GS/s: 30 ms are 30 million
+/// samples.
 #[test]
 fn time_bases_that_show_nothing_or_too_much() {
     all_told(&[[

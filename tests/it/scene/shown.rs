@@ -1,4 +1,5 @@
-//! `show` prints the same scene again; the annotated scene and the annotated plan have every key that the program reads.
+//! `show` prints the same scene again; the annotated scene and the annotated plan have every key
+//! that the program reads.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -131,7 +132,8 @@ fn with_unknown(text: &str) -> String {
     format!("{UNKNOWN}\n{lines}")
 }
 
-/// Keys of files of instruments, which a scene may replace: `list scopes` and `list magnets` show them.
+/// Keys of files of instruments, which a scene may replace: `list scopes` and `list magnets` show
+/// them.
 fn of_instruments(table: &str, key: &str) -> bool {
     let folder = match table.split('.').collect::<Vec<_>>()[..] {
         ["scope", ..] => "",

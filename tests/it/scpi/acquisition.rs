@@ -192,7 +192,8 @@ fn pulses_of_the_right_width_trigger() {
     }
 }
 
-/// A step of 2 V that rises within 1 us, and a peak that stays up 3 us: what each coupling lets through to a level.
+/// A step of 2 V that rises within 1 us, and a peak that stays up 3 us: what each coupling lets
+/// through to a level.
 #[test]
 fn the_trigger_is_deaf_as_its_coupling_says() {
     for (settings, step_triggers, peak_triggers) in [
@@ -202,7 +203,8 @@ fn the_trigger_is_deaf_as_its_coupling_says() {
         // Corner 300 kHz: `(1 - exp(-x))/x` of a step that rises in 1 us, x = 1.885, is 0.90 V.
         ("COUP LFR;:TRIG:MAI:LEV 1", false, false),
         ("COUP LFR;:TRIG:MAI:LEV 0.8", true, true),
-        // Corner 80 kHz: a step passes in the end, of the peak `1 - exp(-4 x) (exp(x) - 1)/x`, x = 0.503, 1.65 V.
+        // Corner 80 kHz: a step passes in the end, of the peak `1 - exp(-4 x) (exp(x) - 1)/x`, x =
+        // 0.503, 1.65 V.
         ("COUP HFR;:TRIG:MAI:LEV 1.8", true, false),
         ("COUP HFR;:TRIG:MAI:LEV 1.5", true, true),
         // Hysteresis of 0.4 div is 0.2 V: below a level of 0.15 V the signal has not been.

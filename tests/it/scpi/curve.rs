@@ -2,8 +2,8 @@
 
 use super::bench::Bench;
 
-/// Two divisions up from the trigger on, at half a volt a division and one division above the centre: level 25 and,
-/// after the trigger at point 1250, level 75.
+/// Two divisions up from the trigger on, at half a volt a division and one division above the
+/// centre: level 25 and, after the trigger at point 1250, level 75.
 fn step() -> Bench {
     let mut bench = Bench::new();
     bench.record("CH1:PROBE 1;SCALE 0.5;POS 1;:HOR:SCA 1E-3;:TRIG:MAI:LEV 0.5", |time| {
@@ -25,7 +25,8 @@ fn a_block_has_its_length_and_one_line_feed() {
     assert_eq!(&bench.bytes("curv?")[..13], b":CURVE #45000");
 }
 
-/// The two points on either side of the trigger. Levels 25 and 75, the definition of each encoding by hand.
+/// The two points on either side of the trigger. Levels 25 and 75, the definition of each encoding
+/// by hand.
 #[test]
 fn every_encoding() {
     let mut bench = step();

@@ -29,7 +29,8 @@ fn number(bytes: &[u8], at: usize, length: usize) -> usize {
     bytes[at..at + length].iter().rev().fold(0, |sum, byte| sum << 8 | usize::from(*byte))
 }
 
-/// A step of two divisions at the trigger, position 1 div: two lines of dots and the edge between them.
+/// A step of two divisions at the trigger, position 1 div: two lines of dots and the edge between
+/// them.
 #[test]
 fn a_trace_stands_where_its_levels_are() {
     let mut bench = Bench::new();
@@ -76,7 +77,8 @@ fn bars_stand_where_they_are_set() {
     assert_eq!(edges.collect::<Vec<_>>(), [LEFT + 138, LEFT + 163]);
 }
 
-/// A spectrum of one line: zoomed by ten around it, it stands in the centre; shifted by the position.
+/// A spectrum of one line: zoomed by ten around it, it stands in the centre; shifted by the
+/// position.
 #[test]
 fn a_spectrum_is_zoomed() {
     let mut bench = Bench::new();
@@ -211,7 +213,8 @@ fn pictures_of_one_message_are_limited() {
     bench.transcript(&[("*ESR?", "4"), ("EVENT?", "430")]);
 }
 
-/// Every source that the instrument saves: channel, math, spectrum, reference; as files and back, byte for byte.
+/// Every source that the instrument saves: channel, math, spectrum, reference; as files and back,
+/// byte for byte.
 #[test]
 fn every_source_is_saved_as_a_native_file() {
     use hertzscope::recording::{Capture, InstrumentIdentity as Maker, tek_csv};
@@ -247,7 +250,8 @@ fn every_source_is_saved_as_a_native_file() {
     );
 }
 
-/// A saved set-up is a message: sent to another instrument it sets all of it, and that one saves the same.
+/// A saved set-up is a message: sent to another instrument it sets all of it, and that one saves
+/// the same.
 #[test]
 fn a_saved_set_up_sets_another_instrument() {
     use hertzscope::recording::set_file::SetFile;

@@ -65,7 +65,8 @@ fn signals(scene: &Scene, outcome: &Outcome) -> Signals {
     signals
 }
 
-/// The same levels as in the scene's own records, but for values that lie within round-off of a step between two.
+/// The same levels as in the scene's own records, but for values that lie within round-off of a
+/// step between two.
 #[test]
 fn an_instrument_set_by_commands_takes_the_records_of_the_scene() {
     let scene = Scene::load("magnet-0.61g").expect("the default scene");

@@ -1,4 +1,5 @@
-//! The instrument behind the commands: what the front panel does to records, by the documented facts of the family.
+//! The instrument behind the commands: what the front panel does to records, by the documented
+//! facts of the family.
 
 use hertzscope::instrument::{Accepted, Instrument, Signals};
 use hertzscope::scene::Scene;
@@ -51,7 +52,8 @@ fn levels(bench: &mut Bench) -> Vec<i16> {
     bench.ask("CURVE?").split(',').map(|code| code.parse().expect("a level")).collect()
 }
 
-/// Without holdoff the scope is ready a record after a trigger; a holdoff of 10 s keeps it deaf until then.
+/// Without holdoff the scope is ready a record after a trigger; a holdoff of 10 s keeps it deaf
+/// until then.
 #[test]
 fn holdoff_keeps_the_scope_deaf() {
     for (holdoff, ready_again) in [("5E-7", true), ("10", false)] {
@@ -96,7 +98,8 @@ fn the_external_input_triggers() {
         let mut bench = ready("HOR:SCA 1E-3;:TRIG:MAI:EDGE:SOU CH1");
         bench.tell(&format!("TRIG:MAI:EDGE:SOU {source};:TRIG:MAI:LEV {level}"));
         bench.wait(1.0);
-        // One volt at the trigger, rising by 1.6 V/ms: 1.6 V, EXT's farthest level, 0.375 ms later; 5 V 2.5 ms later.
+        // One volt at the trigger, rising by 1.6 V/ms: 1.6 V, EXT's farthest level, 0.375 ms later;
+        // 5 V 2.5 ms later.
         let ramp = |t: f64| if t < 0.0 { 0.0 } else { 1.0 + 1600.0 * t };
         let slope = if source == "CH1" { 100.0 } else { 1000.0 };
         let arrived = signals(&bench, |t| if t < 0.0 { 0.0 } else { t * slope }, ramp);
@@ -104,7 +107,8 @@ fn the_external_input_triggers() {
         assert_eq!(triggers(found), triggers_at.is_some(), "{source} {level}");
         if let Some(expected) = triggers_at {
             bench.wait(1.0);
-            // Channel 1 rises by 1000 V/s: its level at the trigger tells when that was, to half a level of 40 mV and one point of 4 us.
+            // Channel 1 rises by 1000 V/s: its level at the trigger tells when that was, to half a
+            // level of 40 mV and one point of 4 us.
             let code = f64::from(levels(&mut bench)[1250]);
             let time = code / 25.0 / 1000.0;
             assert!((time - expected).abs() < 2.4e-5, "{source} {level}: {time} {expected}");
@@ -128,8 +132,8 @@ fn the_mains_trigger() {
     assert!((49..=50).contains(&count), "{count} records in a second");
 }
 
-/// Facts of real scan-mode files: 250 points in a row at -128 ahead of the sweep, all that the first sweep has not reached,
-/// times from zero; a single sequence ends with a full screen.
+/// Facts of real scan-mode files: 250 points in a row at -128 ahead of the sweep, all that the
+/// first sweep has not reached, times from zero; a single sequence ends with a full screen.
 #[test]
 fn scan_mode_leaves_a_blank() {
     let blank = |codes: &[i16]| codes.iter().filter(|code| **code == -128).count();
@@ -161,7 +165,8 @@ fn scan_mode_leaves_a_blank() {
     assert_eq!(blank(&levels(&mut bench)), 0);
 }
 
-/// What happens during a sweep stands where the sweep was, a sample a point: 2 V for 40 ms at 0.4 ms a point.
+/// What happens during a sweep stands where the sweep was, a sample a point: 2 V for 40 ms at 0.4
+/// ms a point.
 #[test]
 fn scan_mode_shows_what_happens() {
     let mut bench = Bench::new();
@@ -177,7 +182,8 @@ fn scan_mode_shows_what_happens() {
     assert_eq!((high[0], high.len(), *high.last().expect("points")), (500, 101, 600));
 }
 
-/// A pulse between the points of a sweep is lost to Sample and kept by Peak Detect, as the pair of its interval's extremes.
+/// A pulse between the points of a sweep is lost to Sample and kept by Peak Detect, as the pair of
+/// its interval's extremes.
 #[test]
 fn scan_mode_detects_peaks() {
     for (mode, seen) in [("SAM", 0), ("PEAK", 1)] {
@@ -204,8 +210,8 @@ fn scan_mode_detects_peaks() {
     }
 }
 
-/// An average in scan mode is that of the sweeps at each point: a single sequence takes as many as it averages, and a point that
-/// was high in one of four stands at a quarter.
+/// An average in scan mode is that of the sweeps at each point: a single sequence takes as many as
+/// it averages, and a point that was high in one of four stands at a quarter.
 #[test]
 fn scan_mode_averages_sweeps() {
     let mut bench = Bench::new();
@@ -232,8 +238,8 @@ fn scan_mode_averages_sweeps() {
     assert!(high.iter().all(|n| codes[*n] == 25));
 }
 
-/// A pulse of 12 ns between the samples of a slow record is lost to Sample and kept by Peak Detect (5 us/div to 50 s/div;
-/// this program keeps it up to 250 us/div, for want of memory).
+/// A pulse of 12 ns between the samples of a slow record is lost to Sample and kept by Peak Detect
+/// (5 us/div to 50 s/div; this program keeps it up to 250 us/div, for want of memory).
 #[test]
 fn peak_detect_keeps_short_pulses() {
     for (mode, seen) in [("SAM", 0), ("PEAK", 50)] {
@@ -277,8 +283,9 @@ fn the_window_has_a_record_of_its_own() {
     assert_eq!((codes[1249], codes[1250]), (25, 50), "the second step is in the centre");
 }
 
-/// Gain within 3 %, 4 % on the two smallest scales, zero within 0.1 div + 1 mV: data sheets of sister models. Even over
-/// the range, so a few channels of a hundred seeds come near the ends; without the effect nothing is off.
+/// Gain within 3 %, 4 % on the two smallest scales, zero within 0.1 div + 1 mV: data sheets of
+/// sister models. Even over the range, so a few channels of a hundred seeds come near the ends;
+/// without the effect nothing is off.
 #[test]
 fn errors_stay_within_the_data_sheet_and_come_from_the_seed() {
     let draws: Vec<Deviation> =
@@ -318,8 +325,9 @@ fn errors_stay_within_the_data_sheet_and_come_from_the_seed() {
     }
 }
 
-/// `SCAle` snaps to the series, as documented, unless Volts/Div is on fine: by the bench's command, or from the start with a scale
-/// between the steps (real set-up files hold 60 mV/div). A set-up memory knows which.
+/// `SCAle` snaps to the series, as documented, unless Volts/Div is on fine: by the bench's command,
+/// or from the start with a scale between the steps (real set-up files hold 60 mV/div). A set-up
+/// memory knows which.
 #[test]
 fn a_fine_scale_stands_between_the_steps() {
     let mut setup: Setup = scene("").scope;
@@ -332,7 +340,8 @@ fn a_fine_scale_stands_between_the_steps() {
     bench.transcript(&[
         ("CH1:PRO 1;SCA 0.06;SCA?", "5.0E-2"),
         ("BENC:CH1:FIN?;FIN ON;FIN?;:BENC:CH2:FIN?", "OFF;ON;OFF"),
-        // Of real files, one of them through a probe; then more digits than the knob has, and the ends of its range.
+        // Of real files, one of them through a probe; then more digits than the knob has, and the
+        // ends of its range.
         ("CH1:SCA 0.059;SCA?;SCA 0.09;SCA?", "5.9E-2;9.0E-2"),
         ("CH1:PRO 10;SCA 0.288;SCA?;PRO 1;SCA?", "2.88E-1;2.88E-2"),
         ("CH1:VOL 0.123456;VOL?;SCA 1E-9;SCA?;SCA 99;SCA?", "1.23E-1;2.0E-3;5.0E0"),
@@ -346,7 +355,8 @@ fn a_fine_scale_stands_between_the_steps() {
     assert_eq!(bench.ask("WFMP:YMU?"), "1.152E-2");
 }
 
-/// Below 5 mV/div at the BNC the bandwidth is 20 MHz: a step has gone `1 - exp(-2 pi 20 MHz t)` of its way after t.
+/// Below 5 mV/div at the BNC the bandwidth is 20 MHz: a step has gone `1 - exp(-2 pi 20 MHz t)` of
+/// its way after t.
 #[test]
 fn the_smallest_scale_is_slow() {
     for (scale, bandwidth) in [(2e-3, 20e6), (5e-3, 100e6)] {
@@ -356,7 +366,8 @@ fn the_smallest_scale_is_slow() {
         bench.record(&settings, |t| if t < 0.0 { 0.0 } else { 4.0 * scale });
         let codes = levels(&mut bench);
         let start = (0..2500).find(|n| codes[*n] > 0).expect("the step");
-        // Samples of 1 ns, the step a ramp over the first: the response is that of a step half a sample in.
+        // Samples of 1 ns, the step a ramp over the first: the response is that of a step half a
+        // sample in.
         let gone = |n: f64| 1.0 - (-std::f64::consts::TAU * bandwidth * (n + 0.5) * 1e-9).exp();
         for n in [3_u32, 6, 12] {
             let found = f64::from(codes[start + n as usize]) / 100.0;
@@ -379,7 +390,8 @@ fn a_probe_slows_ac_coupling_down() {
     }
 }
 
-/// Autoset finds scale, time base and level of a sine of 3 V and 1 kHz, and takes back what hides a signal.
+/// Autoset finds scale, time base and level of a sine of 3 V and 1 kHz, and takes back what hides a
+/// signal.
 #[test]
 fn autoset_finds_the_signal() {
     let mut bench = Bench::new();
@@ -387,7 +399,8 @@ fn autoset_finds_the_signal() {
     bench.record(settings, |t| 1.5 * (std::f64::consts::TAU * 1000.0 * t).sin() + 0.5);
     bench.tell("AUTOS EXEC");
     bench.transcript(&[
-        // 3 V on four divisions are 0.75 V/div, nearest 1; four cycles on ten divisions 400 us/div, nearest 500.
+        // 3 V on four divisions are 0.75 V/div, nearest 1; four cycles on ten divisions 400 us/div,
+        // nearest 500.
         ("CH1:SCA?;POS?;BAN?", "1.0E0;0.0E0;OFF"),
         ("HOR:MAI:SCA?;POS?", "5.0E-4;0.0E0"),
         ("TRIG:MAI:MOD?;HOLDO:VAL?;:TRIG:MAI:EDGE:COUP?", "AUTO;5.0E-7;DC"),
@@ -445,8 +458,8 @@ fn no_code_knows_a_model() {
     assert_eq!(found, Vec::<String>::new());
 }
 
-/// `[scope.external]` puts a sensor at the external input: the same volts that a channel without probe would get. A sensor
-/// drives one input only.
+/// `[scope.external]` puts a sensor at the external input: the same volts that a channel without
+/// probe would get. A sensor drives one input only.
 #[test]
 fn a_scene_wires_the_external_input() {
     use hertzscope::experiment::inputs::{InputWindow, inputs};
@@ -470,7 +483,8 @@ fn a_scene_wires_the_external_input() {
     assert!(error.to_string().contains("at the input of CH1"), "{error}");
 }
 
-/// At slow time bases noise is drawn at the record's points alone: as large as where it is drawn at each sample, and whatever triggers.
+/// At slow time bases noise is drawn at the record's points alone: as large as where it is drawn at
+/// each sample, and whatever triggers.
 #[test]
 fn slow_records_of_silence_have_the_noise_of_fast_ones() {
     let mut bench = Bench::new();
@@ -487,7 +501,8 @@ fn slow_records_of_silence_have_the_noise_of_fast_ones() {
             let levels = levels(&mut bench);
             let square: f64 = levels.iter().map(|level| f64::from(*level).powi(2)).sum();
             let rms = (square / levels.len() as f64).sqrt();
-            // Rounding adds 1/12; the scatter of an estimate from 2500 samples is 1.4 %, of which four.
+            // Rounding adds 1/12; the scatter of an estimate from 2500 samples is 1.4 %, of which
+            // four.
             let expected = (5.0_f64.powi(2) + 1.0 / 12.0).sqrt();
             assert!((rms / expected - 1.0).abs() < 0.057, "{time_base} {source}: {rms}");
         }

@@ -4,7 +4,8 @@ use hertzscope::scpi::list::markdown;
 use hertzscope::scpi::row::Support;
 use hertzscope::scpi::tree;
 
-/// A change detector: the document is made from the table. `HERTZSCOPE_WRITE=1` writes it instead of comparing.
+/// A change detector: the document is made from the table. `HERTZSCOPE_WRITE=1` writes it instead
+/// of comparing.
 #[test]
 fn the_document_is_the_table() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/scpi-commands.md");

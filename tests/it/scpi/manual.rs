@@ -1,4 +1,5 @@
-//! What programmer manual 071-1075 says and this instrument did otherwise, found with other programs' drivers.
+//! What programmer manual 071-1075 says and this instrument did otherwise, found with other
+//! programs' drivers.
 
 use hertzscope::instrument::Signals;
 
@@ -14,7 +15,8 @@ fn events(bench: &mut Bench) -> Vec<u16> {
     codes.filter(|code| *code > 1).collect()
 }
 
-/// `FACtory` turns headers on, however the server began; printer, words, lock, language and line stay.
+/// `FACtory` turns headers on, however the server began; printer, words, lock, language and line
+/// stay.
 #[test]
 fn factory_turns_headers_on_and_leaves_what_the_manual_excepts() {
     let mut bench = Bench::new();
@@ -29,8 +31,8 @@ fn factory_turns_headers_on_and_leaves_what_the_manual_excepts() {
     assert_eq!(bench.ask("*DDT?"), "\"\"");
 }
 
-/// In scan mode points that are not there yet are no volts: nothing is measured while it scans, and what is stopped is measured without
-/// them.
+/// In scan mode points that are not there yet are no volts: nothing is measured while it scans, and
+/// what is stopped is measured without them.
 #[test]
 fn blank_points_are_no_samples() {
     let mut bench = Bench::new();

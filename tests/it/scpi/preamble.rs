@@ -126,7 +126,8 @@ fn a_waveform_that_is_not_displayed_has_no_preamble() {
     bench.quiet_record("CH1:PROBE 1");
     for line in ["DATA:SOU CH2;:WFMP?", "CURVE?", "WAVF?", "WFMP:REFA:YOF?"] {
         bench.tell(line);
-        // The manual names both events for `CURVe?`; for `WFMPre?` no instrument was asked (docs/scpi-commands.md).
+        // The manual names both events for `CURVe?`; for `WFMPre?` no instrument was asked
+        // (docs/scpi-commands.md).
         bench.transcript(&[("*ESR?", "20"), ("EVENT?", "2244"), ("EVENT?", "420")]);
     }
 }

@@ -76,8 +76,9 @@ fn random_arguments_never_panic() {
         .expect("no panic");
 }
 
-/// Signals arrive that were made before the time base was turned, a set-up recalled or the instrument reset. Once it took 40 GB to put the
-/// signals of 1 s/div on the grid of 5 ns/div. Now they are dropped, and every record keeps the model's length.
+/// Signals arrive that were made before the time base was turned, a set-up recalled or the
+/// instrument reset. Once it took 40 GB to put the signals of 1 s/div on the grid of 5 ns/div. Now
+/// they are dropped, and every record keeps the model's length.
 #[test]
 fn time_bases_turn_during_impacts() {
     let scale =

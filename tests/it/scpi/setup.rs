@@ -2,8 +2,9 @@
 
 use super::bench::Bench;
 
-/// `F0000TEK.SET` of `dctorti-lab/Torti_PHYS471_Lab_1`, saved by an original with two channels (FV:v6.08); channels 3
-/// and 4 and references C and D are put in, in the form that its own channels have.
+/// `F0000TEK.SET` of `dctorti-lab/Torti_PHYS471_Lab_1`, saved by an original with two channels
+/// (FV:v6.08); channels 3 and 4 and references C and D are put in, in the form that its own
+/// channels have.
 const FILE: &str = concat!(
     ":DISPLAY:FORMAT YT;STYLE VECTORS;PERSISTENCE 0;:ACQUIRE:MODE AVERAGE;NUMAVG 16;STATE 0;STOPAFTER SEQUENCE;",
     ":CH1:PROBE 10;SCALE 5.0E-1;POSITION 0.0E0;COUPLING DC;BANDWIDTH OFF;INVERT OFF;",

@@ -57,7 +57,8 @@ fn words_are_short_without_verbose() {
     ]);
 }
 
-/// Carriage return, line feed, and both in either order end a message; the second of a pair ends an empty one.
+/// Carriage return, line feed, and both in either order end a message; the second of a pair ends an
+/// empty one.
 #[test]
 fn every_line_end_ends_a_message() {
     for end in ["\r", "\n", "\r\n", "\n\r"] {
@@ -139,7 +140,8 @@ fn a_message_that_is_too_long_is_lost_and_the_next_is_not() {
     bench.transcript(&[("*ESR?", "8"), ("EVENT?", "363"), ("CH1:COUP?", "DC")]);
 }
 
-/// Output that outgrows its buffer is lost together with the rest of the message, as IEEE 488.2 says of a deadlock.
+/// Output that outgrows its buffer is lost together with the rest of the message, as IEEE 488.2
+/// says of a deadlock.
 #[test]
 fn replies_are_limited() {
     let mut bench = Bench::new();

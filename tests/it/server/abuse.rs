@@ -10,7 +10,8 @@ use hertzscope::server::MOST_CONNECTIONS;
 use super::process::Process;
 use super::{Client, IDENTITY, Server, connect};
 
-/// A web page can have a browser send a POST request whose body holds commands: the connection is closed at its first line.
+/// A web page can have a browser send a POST request whose body holds commands: the connection is
+/// closed at its first line.
 #[test]
 fn an_http_request_is_no_command() {
     let server = Server::at_rest();
@@ -84,7 +85,8 @@ fn end(mut child: Child) -> (Option<i32>, String) {
     (status.code(), said)
 }
 
-/// Where the recording cannot grow (a full disk, `ulimit -f`) the server says so and goes on; what was recorded is not called whole.
+/// Where the recording cannot grow (a full disk, `ulimit -f`) the server says so and goes on; what
+/// was recorded is not called whole.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_ends_the_recording_and_not_the_server() {
@@ -129,7 +131,8 @@ fn a_hang_up_finishes_the_recording() {
     }
 }
 
-/// One recording has one writer: the second session gets a file of its own, and `run` refuses the name while the session goes on.
+/// One recording has one writer: the second session gets a file of its own, and `run` refuses the
+/// name while the session goes on.
 #[cfg(unix)]
 #[test]
 fn two_sessions_do_not_share_a_recording() {
@@ -159,7 +162,8 @@ fn two_sessions_do_not_share_a_recording() {
     assert_eq!(commands(&folder.path().join("lab-2.mcap")), "ID?;");
 }
 
-/// No reply waits for a simulation or for what becomes of its signals, on the fastest time bases either.
+/// No reply waits for a simulation or for what becomes of its signals, on the fastest time bases
+/// either.
 #[test]
 fn no_reply_waits_for_an_impact() {
     let server = Process::start(&["magnet-0.61g"]);
@@ -186,7 +190,8 @@ fn no_reply_waits_for_an_impact() {
 /// Time of `SET?`, which writes a hundred settings, over that of `*IDN?`: 9 to 12 were measured.
 const LARGEST_RATIO: u32 = 40;
 
-/// A kilobyte of `SET?` takes little longer than `*IDN?` does: no set-up is built again and again for it.
+/// A kilobyte of `SET?` takes little longer than `*IDN?` does: no set-up is built again and again
+/// for it.
 #[test]
 fn a_set_up_is_told_quickly() {
     let server = Process::start(&["magnet-0.61g"]);

@@ -16,7 +16,8 @@ fn highest(server: &Server, settings: &str) -> f64 {
     reply.trim_end().parse().expect("a voltage")
 }
 
-/// A sonic vacuum's force scales with speed^(6/5); preload makes it gentler, towards speed itself. The scale leaves room.
+/// A sonic vacuum's force scales with speed^(6/5); preload makes it gentler, towards speed itself.
+/// The scale leaves room.
 #[test]
 fn a_faster_striker_hits_harder() {
     let server = Server::at_rest();
@@ -51,7 +52,8 @@ fn the_bench_tells_how_it_is_set_up() {
     assert_eq!(client.ask("BENC:SCEN magnet-0.61g;:BENC:STRI:MASS?;SPE?"), "6.1E-4;4.4E-1\n");
 }
 
-/// Half a volt at the amplifier is half a volt on the screen, to half a level of the digitiser (0.04 V at 1 V/div).
+/// Half a volt at the amplifier is half a volt on the screen, to half a level of the digitiser
+/// (0.04 V at 1 V/div).
 #[test]
 fn the_scene_s_amplifier_offset_is_on_the_screen() {
     let mut scene = scene();
@@ -67,7 +69,8 @@ fn the_scene_s_amplifier_offset_is_on_the_screen() {
     assert!((mean - 0.5).abs() < 0.02, "{mean} V");
 }
 
-/// Speeds are drawn from the seed, shot by shot: alike with the same seed, spread as the scene says.
+/// Speeds are drawn from the seed, shot by shot: alike with the same seed, spread as the scene
+/// says.
 #[test]
 fn the_strikers_speed_is_drawn_from_the_seed() {
     let typed = "base = \"magnet-0.61g\"\n[effects.striker_speed_spread]\nrelative = \"0.5 %\"\n";
@@ -79,7 +82,8 @@ fn the_strikers_speed_is_drawn_from_the_seed() {
     let count = drawn.len() as f64;
     let mean = drawn.iter().sum::<f64>() / count;
     let variance = drawn.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (count - 1.0);
-    // Four standard errors: of the mean 0.005 / sqrt(4000), of the standard deviation 1 / sqrt(2 * 4000).
+    // Four standard errors: of the mean 0.005 / sqrt(4000), of the standard deviation 1 / sqrt(2 *
+    // 4000).
     let speed = scene.striker_speed().expect("a striker");
     assert!((mean / speed - 1.0).abs() < 4.0 * 0.005 / count.sqrt(), "{mean}");
     let spread = variance.sqrt() / mean;
@@ -91,7 +95,8 @@ fn the_strikers_speed_is_drawn_from_the_seed() {
     assert!(speeds(&still).iter().all(|v| *v == speed));
 }
 
-/// The time base turns while impacts are simulated for the old one: once the server then asked for 40 GB and ended. It has 4 GB here.
+/// The time base turns while impacts are simulated for the old one: once the server then asked for
+/// 40 GB and ended. It has 4 GB here.
 #[cfg(target_os = "linux")]
 #[test]
 fn time_bases_turn_while_the_chain_moves() {

@@ -154,7 +154,8 @@ fn true_forces_can_be_asked_for() {
     let input = scene.scope.channels[0].as_ref().and_then(|c| c.input.clone()).expect("a sensor");
     let truth = outcome.shot.truth.iter().find(|t| t.name.contains(&input)).expect("its force");
     let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
-    // The same forces on another grid: sampled 1 us apart, a pulse of 60 us has its peak within 0.1 % of the largest sample.
+    // The same forces on another grid: sampled 1 us apart, a pulse of 60 us has its peak within 0.1
+    // % of the largest sample.
     let (found, expected) = (largest(&forces), largest(&truth.values));
     assert!((found / expected - 1.0).abs() < 2e-3, "{found} N, {expected} N");
     // In time with the record: force and voltage rise together, the trigger at time 0.

@@ -10,11 +10,12 @@ use super::{IDENTITY, connect};
 const CLIENTS: usize = 50;
 const CURVES: usize = 200;
 const CYCLES: usize = 1000;
-/// Fifty clients, the server and other tests share the processors; a client that is passed over waits for hundreds of rounds (1).
+/// Fifty clients, the server and other tests share the processors; a client that is passed over
+/// waits for hundreds of rounds (1).
 const SHARED_MACHINE_FACTOR: u32 = 10;
 
-/// 50 clients read 200 curves each, all the same bytes. Clients take turns, so that a curve waits for one of each other client: its time
-/// is bounded by that of so many curves of a single client.
+/// 50 clients read 200 curves each, all the same bytes. Clients take turns, so that a curve waits
+/// for one of each other client: its time is bounded by that of so many curves of a single client.
 #[test]
 fn fifty_clients_read_the_right_bytes() {
     let server = Process::start(&["magnet-0.61g"]);
@@ -86,7 +87,8 @@ fn clients_that_come_and_go_leave_nothing() {
                 let _ = client.stream.get_mut().shutdown(Shutdown::Both);
             }
         }
-        // The last ones are gone when the server has no more sockets than it had with nobody but the one who asks.
+        // The last ones are gone when the server has no more sockets than it had with nobody but
+        // the one who asks.
         let quiet = || -> TcpStream {
             let mut client = connect(server.address);
             assert_eq!(client.ask("*IDN?"), IDENTITY);

@@ -1,4 +1,5 @@
-//! Sessions of random messages over both protocols, and twenty clients that mean no good beside one that only asks who is there.
+//! Sessions of random messages over both protocols, and twenty clients that mean no good beside one
+//! that only asks who is there.
 
 use std::io::{ErrorKind, Read as _, Write as _};
 use std::net::{Shutdown, SocketAddr, TcpStream};
@@ -118,8 +119,8 @@ fn exchange(stream: &mut TcpStream, bytes: &[u8]) -> bool {
     !matches!(stream.read(&mut buffer), Ok(0))
 }
 
-/// Ends what a client sends, and waits until the server has executed it all and closes the connection. A session that waits for an
-/// acquisition is left after a second.
+/// Ends what a client sends, and waits until the server has executed it all and closes the
+/// connection. A session that waits for an acquisition is left after a second.
 fn leave(mut stream: TcpStream) {
     let left = Instant::now();
     let mut buffer = [0; 16384];
@@ -284,7 +285,8 @@ impl Drop for EndOnDrop<'_> {
     }
 }
 
-/// Every kind twice, for seconds; beside them one client asks who is there, and is answered as if it were alone.
+/// Every kind twice, for seconds; beside them one client asks who is there, and is answered as if
+/// it were alone.
 #[test]
 fn twenty_abusers_keep_nobody_waiting() {
     let mut server = Process::start(&["magnet-0.61g", "--hislip", "0"]);
@@ -294,7 +296,8 @@ fn twenty_abusers_keep_nobody_waiting() {
     let raw = server.address;
     let goes_on = AtomicBool::new(true);
     let mut times = Vec::new();
-    // Where all places are taken by live connections, a newcomer is closed at once: this client is there before.
+    // Where all places are taken by live connections, a newcomer is closed at once: this client is
+    // there before.
     let mut client = connect(raw);
     assert_eq!(client.ask("*IDN?"), IDENTITY);
     std::thread::scope(|scope| {
@@ -323,7 +326,8 @@ fn twenty_abusers_keep_nobody_waiting() {
     }
 }
 
-/// Random messages from all subsystems over both protocols, the same each time: the server lives, and measures afterwards.
+/// Random messages from all subsystems over both protocols, the same each time: the server lives,
+/// and measures afterwards.
 #[test]
 fn random_sessions_leave_a_scope_that_works() {
     let mut server = Process::start(&["magnet-0.61g", "--hislip", "0"]);
@@ -339,7 +343,8 @@ fn random_sessions_leave_a_scope_that_works() {
             scope.spawn(move || abuse(kind, 1000 + number as u64, raw, hislip, goes_on));
         }
     });
-    // Ends the acquisition that a session may still wait for, and with that what it has sent after it.
+    // Ends the acquisition that a session may still wait for, and with that what it has sent after
+    // it.
     let mut client = connect(raw);
     client.send(b"*RST\n");
     std::thread::sleep(Duration::from_millis(200));

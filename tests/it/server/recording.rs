@@ -65,7 +65,8 @@ fn a_session_is_written_down() {
     assert_eq!(set.log, log);
 }
 
-/// A copy of the file while the server still writes is what a killed server leaves: its shots are in it.
+/// A copy of the file while the server still writes is what a killed server leaves: its shots are
+/// in it.
 #[test]
 fn what_was_triggered_is_on_the_disk() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -110,8 +111,9 @@ fn the_truth_behind_a_served_shot_is_kept() {
     }
 }
 
-/// A shot of another bench than the one that is served carries that one: its scene with what was turned of it, its sensors, and
-/// the front panel as it was set. The shots around it are the served one's.
+/// A shot of another bench than the one that is served carries that one: its scene with what was
+/// turned of it, its sensors, and the front panel as it was set. The shots around it are the served
+/// one's.
 #[test]
 fn a_shot_tells_its_own_bench() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -155,7 +157,8 @@ fn a_shot_tells_its_own_bench() {
     }
     let log = "shot 2: impact 2 on gravity-2.75g";
     assert_eq!(set.log[1], log);
-    // The truth of a shot is that of its scene: the run of the same scene and number has the same force at particle 2.
+    // The truth of a shot is that of its scene: the run of the same scene and number has the same
+    // force at particle 2.
     let accuracy = Integration::Accuracy(scenes[1].accuracy.expect("an accuracy"));
     let run = run(&scenes[1], accuracy, 2, &mut |_| ()).expect("a run").shot;
     let force = |shot: &hertzscope::recording::Shot| {
@@ -182,8 +185,8 @@ fn a_shot_tells_its_own_bench() {
     assert!(saved("ALL0001/F0001CH1.CSV").contains("Vertical Scale,1.590000e+00"));
 }
 
-/// What the scope displays beside its channels is saved with them: the spectrum as 1024 bins in dB, the reference as the levels it was
-/// copied from. The files are the ones that the readers take.
+/// What the scope displays beside its channels is saved with them: the spectrum as 1024 bins in dB,
+/// the reference as the levels it was copied from. The files are the ones that the readers take.
 #[test]
 fn spectrum_and_reference_are_saved_beside_the_channels() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -220,7 +223,8 @@ fn spectrum_and_reference_are_saved_beside_the_channels() {
     assert_eq!(bins.codes, told);
 }
 
-/// SIGKILL leaves no time to end the recording: what was triggered and said before is still read, and analysed.
+/// SIGKILL leaves no time to end the recording: what was triggered and said before is still read,
+/// and analysed.
 #[cfg(unix)]
 #[test]
 fn a_killed_server_leaves_what_was_recorded() {

@@ -1,12 +1,13 @@
 //! A transcript a group of commands, byte for byte, on the wire: `transcripts/<group>.txt`.
 //!
-//! A change detector: the replies were written by this server. They show what a change does to them, and are no reference, except where
-//! a transcript's head names one.
+//! A change detector: the replies were written by this server. They show what a change does to
+//! them, and are no reference, except where a transcript's head names one.
 //!
-//! `> ` is a message that is sent, `< ` the reply to the one before, with bytes that cannot be printed escaped; a message without a
-//! reply is followed by none; `# ` is a comment. Every command of the table is in the transcript of its group.
-//! `HERTZSCOPE_WRITE=1` writes the replies anew: compare what has changed with what is known of the instrument. The
-//! comment at the head of a transcript names the replies that were compared, and with what.
+//! `> ` is a message that is sent, `< ` the reply to the one before, with bytes that cannot be
+//! printed escaped; a message without a reply is followed by none; `# ` is a comment. Every command
+//! of the table is in the transcript of its group. `HERTZSCOPE_WRITE=1` writes the replies anew:
+//! compare what has changed with what is known of the instrument. The comment at the head of a
+//! transcript names the replies that were compared, and with what.
 
 use std::fmt::Write as _;
 use std::io::Read as _;
@@ -26,8 +27,8 @@ fn file(title: &str) -> PathBuf {
     folder.join(format!("{name}.txt"))
 }
 
-/// The bytes that answer a message. An identity query behind it tells where they end: silence has no other end.
-/// Another query would interrupt a wait: its line is read first.
+/// The bytes that answer a message. An identity query behind it tells where they end: silence has
+/// no other end. Another query would interrupt a wait: its line is read first.
 fn reply(client: &mut Client, message: &str) -> Vec<u8> {
     if message == "*OPC?" {
         return client.ask(message).into_bytes();

@@ -1,4 +1,5 @@
-//! VXI-11 on the wire: links, waiting reads, service requests and the port mapper of the served scope.
+//! VXI-11 on the wire: links, waiting reads, service requests and the port mapper of the served
+//! scope.
 
 use std::io::{Read as _, Write as _};
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};

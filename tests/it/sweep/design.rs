@@ -1,4 +1,5 @@
-//! Designs: every combination once, every stratum once, and random numbers that are what they are said to be.
+//! Designs: every combination once, every stratum once, and random numbers that are what they are
+//! said to be.
 
 use hertzscope::scene::grid::{Design, number, typed};
 
@@ -54,7 +55,8 @@ fn a_latin_hypercube_has_every_stratum_once() {
         assert_eq!(strata, (0..500).collect::<Vec<_>>());
         assert_ne!(drawn, strata, "in an order that is drawn");
     }
-    // Orders of their own: the rank correlation of 500 pairs is below 0.15 but once in a thousand times.
+    // Orders of their own: the rank correlation of 500 pairs is below 0.15 but once in a thousand
+    // times.
     let [a, b] = [0, 1].map(|place| values(&design, place));
     let mean = |v: &[f64]| v.iter().sum::<f64>() / 500.0;
     let centred = |v: &[f64]| v.iter().map(|x| x - mean(v)).collect::<Vec<_>>();

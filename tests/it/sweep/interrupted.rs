@@ -42,8 +42,10 @@ fn lines(folder: &Path) -> Vec<String> {
     text.lines().skip(1).map(str::to_owned).collect()
 }
 
-/// The process is killed as soon as its log has grown by a random number of bytes, ten times; where it is then does not depend on a clock
-/// of the test, and one that is finished sooner begins again. What the log held is still there after each resumption, and the table is that of a sweep left in peace.
+/// The process is killed as soon as its log has grown by a random number of bytes, ten times; where
+/// it is then does not depend on a clock of the test, and one that is finished sooner begins again.
+/// What the log held is still there after each resumption, and the table is that of a sweep left in
+/// peace.
 #[test]
 fn a_killed_sweep_goes_on() {
     let peace = folder(LONG);

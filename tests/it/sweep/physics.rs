@@ -33,7 +33,8 @@ fn agrees(csv: &str, line: usize, summary: &Summary) {
         near(format!("{name}.half_rise (s)"), reading.half_rise_s.expect("a rise"), ACCURACY);
     }
     let half_rise = summary.speeds.iter().find(|s| s.from == 14 && s.estimator == "half_rise");
-    // A speed is a distance over a difference of two arrivals: their errors add, over a difference of half of the later.
+    // A speed is a distance over a difference of two arrivals: their errors add, over a difference
+    // of half of the later.
     let speed = half_rise.expect("a speed").m_per_s;
     near("p14-p27.half_rise (m/s)".to_owned(), speed, 4.0 * ACCURACY);
 }
@@ -61,7 +62,8 @@ fn the_table_holds_what_runs_find() {
     }
 }
 
-/// Whatever a scene says can be varied: models, lengths of chains, losses that the scene does not have, constants in other files.
+/// Whatever a scene says can be varied: models, lengths of chains, losses that the scene does not
+/// have, constants in other files.
 #[test]
 fn anything_can_be_varied() {
     let folder = folder(

@@ -75,7 +75,8 @@ fn parquet_holds_what_the_csv_holds() {
     assert!(lines.next().is_none());
 }
 
-/// The number called `name` in an object's text: without further ado the JSON library's numbers are right to all but the last bit.
+/// The number called `name` in an object's text: without further ado the JSON library's numbers are
+/// right to all but the last bit.
 fn number(line: &str, name: &str) -> f64 {
     let (_, rest) = line.split_once(&format!("\"{name}\":")).expect(name);
     let end = rest.find([',', '}']).expect("its end");

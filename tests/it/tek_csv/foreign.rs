@@ -1,4 +1,5 @@
-//! The foreign dialects, made up: the levels that come back are those that went in, and every guess is named.
+//! The foreign dialects, made up: the levels that come back are those that went in, and every guess
+//! is named.
 
 use hertzscope::recording::Capture;
 use hertzscope::recording::tek_csv::{read, read_all, write};
@@ -164,7 +165,8 @@ fn newer_models_with_eight_bits_keep_their_levels() {
     }
 }
 
-/// Six digits of a converter with more bits: no level of 0.199 V/25 fits, and 16 bits do not hold the digits.
+/// Six digits of a converter with more bits: no level of 0.199 V/25 fits, and 16 bits do not hold
+/// the digits.
 #[test]
 fn newer_models_with_more_bits_are_not_forced_into_eight() {
     let volts: Vec<f64> = (0..2000).map(|i| 0.7 * (f64::from(i) * 0.0137).sin() + 1e-4).collect();

@@ -1,7 +1,8 @@
-//! Whole captures of foreign dialects, where the environment variable `HERTZSCOPE_CAPTURES` names their folder.
+//! Whole captures of foreign dialects, where the environment variable `HERTZSCOPE_CAPTURES` names
+//! their folder.
 //!
-//! What is expected was counted in the files themselves, with other tools: rows, first and last values, how many
-//! values stand at an end, how far apart neighbouring values lie.
+//! What is expected was counted in the files themselves, with other tools: rows, first and last
+//! values, how many values stand at an end, how far apart neighbouring values lie.
 
 use std::path::Path;
 
@@ -76,7 +77,8 @@ const ROD: Wanted = Wanted {
     clipped: 183,
 };
 
-/// The header's Yzero of channel 2, -1.4 V at 2 V/div, is -17.5 levels; values are whole multiples of 0.08 V.
+/// The header's Yzero of channel 2, -1.4 V at 2 V/div, is -17.5 levels; values are whole multiples
+/// of 0.08 V.
 const PIEZO: Wanted = Wanted {
     source: Source::Channel(2),
     last: 0.0,

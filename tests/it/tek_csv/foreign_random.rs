@@ -1,4 +1,5 @@
-//! Random bytes and mutations for the readers of the foreign dialects: an error or a sound capture, never a panic.
+//! Random bytes and mutations for the readers of the foreign dialects: an error or a sound capture,
+//! never a panic.
 
 use std::sync::LazyLock;
 

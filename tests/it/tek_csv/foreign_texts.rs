@@ -1,4 +1,5 @@
-//! Texts of the foreign dialects, made from made-up records as the fact sheet's section 4.3 shows them.
+//! Texts of the foreign dialects, made from made-up records as the fact sheet's section 4.3 shows
+//! them.
 
 use std::fmt::Write as _;
 

@@ -1,5 +1,5 @@
-//! The forms in which other instruments, programs and people save records: each is read with its right values, or refused with
-//! what is missing. Values are those that the texts are made of.
+//! The forms in which other instruments, programs and people save records: each is read with its
+//! right values, or refused with what is missing. Values are those that the texts are made of.
 
 use std::fmt::Write as _;
 
@@ -30,7 +30,8 @@ fn plain() -> String {
     rows(|_, t, v| format!("{:.7},{v:.2}", t * 1e-6))
 }
 
-/// That `capture` is `values`, a `step` apart from `start` on, within a millionth of a step and a ten-thousandth of the largest.
+/// That `capture` is `values`, a `step` apart from `start` on, within a millionth of a step and a
+/// ten-thousandth of the largest.
 pub(super) fn is(capture: &Capture, source: Source, (start, step): (f64, f64), values: &[f64]) {
     let waveform = &capture.waveform;
     assert_eq!(waveform.source, source);
@@ -78,7 +79,8 @@ fn a_peak_detect_column_is_left_out() {
     assert_eq!(found.iter().map(|c| c.waveform.vertical.scale).collect::<Vec<_>>(), [1.0, 2.0]);
 }
 
-/// 7.711 µs an interval, printed in whole microseconds: the end rows alone give 7.667 µs, which misses no row either.
+/// 7.711 µs an interval, printed in whole microseconds: the end rows alone give 7.667 µs, which
+/// misses no row either.
 #[test]
 fn rounded_times_are_even() {
     let found =
@@ -441,7 +443,8 @@ fn columns_that_the_user_names() {
     assert!(error.to_string().contains("a column 9"), "{error}");
 }
 
-/// The firmware rounds 4882.8125 Hz half up, where C rounds it half to even; some models spell sources otherwise.
+/// The firmware rounds 4882.8125 Hz half up, where C rounds it half to even; some models spell
+/// sources otherwise.
 #[test]
 fn native_spectra_and_spellings_come_back_byte_for_byte() {
     use super::made_up::{fft, plain_record, ramp_after};

@@ -1,5 +1,6 @@
-//! Generated files of instruments, 256 of each class: forms of different makers and models, times printed with more or fewer
-//! digits, triggers on and off the grid, positions that clip. Each is read with the values that it is made of.
+//! Generated files of instruments, 256 of each class: forms of different makers and models, times
+//! printed with more or fewer digits, triggers on and off the grid, positions that clip. Each is
+//! read with the values that it is made of.
 
 use std::fmt::Write as _;
 
@@ -60,7 +61,8 @@ fn records() -> impl Strategy<Value = Record> {
         })
 }
 
-/// The header of a newer Tektronix model for `count` channels alike, with one value a channel or one for all.
+/// The header of a newer Tektronix model for `count` channels alike, with one value a channel or
+/// one for all.
 fn newer_header(record: &Record, count: usize, (each, model, peak): (bool, bool, bool)) -> String {
     let values = |value: String| vec![value; if each { count } else { 1 }].join(",");
     let mut text = if model { "Model,MDO3014\n".to_owned() } else { String::new() };
@@ -88,7 +90,8 @@ fn newer_header(record: &Record, count: usize, (each, model, peak): (bool, bool,
 proptest! {
     #![proptest_config(seeded(256))]
 
-    /// Levels, position and clipping of newer models, with peak detect columns, one value of a key or one a channel.
+    /// Levels, position and clipping of newer models, with peak detect columns, one value of a key
+    /// or one a channel.
     #[test]
     fn newer_models_keep_levels_and_position(
         record in records(),
@@ -161,7 +164,8 @@ proptest! {
         }
     }
 
-    /// Native records and spectra, with every spelling of a source: what is written is read, and written again byte for byte.
+    /// Native records and spectra, with every spelling of a source: what is written is read, and
+    /// written again byte for byte.
     #[test]
     fn native_variants_come_back_byte_for_byte(
         codes in proptest::collection::vec(-128_i16..=127, 2500),

@@ -26,8 +26,8 @@ pub(super) struct Setup {
 pub(super) const PLAIN: Setup =
     Setup { scale: 2e-3, probe: 1.0, position_levels: -140, interval: 1e-4, trigger_point: 800.0 };
 
-/// A record in volts. The preamble follows the programmer manual: `YMULT` = scale/25, `YOFF` = 25 times
-/// the position, `XZERO` = time of the first point.
+/// A record in volts. The preamble follows the programmer manual: `YMULT` = scale/25, `YOFF` = 25
+/// times the position, `XZERO` = time of the first point.
 pub(super) fn record(setup: &Setup, codes: Vec<i16>) -> Capture {
     let position = f64::from(setup.position_levels) / 25.0;
     Capture {

@@ -21,7 +21,8 @@ proptest! {
         prop_assert!(read(&text.as_bytes()[..end], "cut.csv").is_err());
     }
 
-    /// A changed byte is refused, or stands where it makes another valid file: a name, a level, padding.
+    /// A changed byte is refused, or stands where it makes another valid file: a name, a level,
+    /// padding.
     #[test]
     fn mutated_files_are_refused_or_valid(header in any::<bool>(), at in any::<prop::sample::Index>(), byte in any::<u8>()) {
         let mut bytes = write(&plain_record()).expect("writable").into_bytes();

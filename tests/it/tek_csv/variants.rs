@@ -1,5 +1,6 @@
-//! Generated tables, 256 of each class: separators, decimal marks, digits, units, orders of columns, triggers off the grid. Each is read
-//! with the values that it is made of, within its printed digits, or refused; none is misread.
+//! Generated tables, 256 of each class: separators, decimal marks, digits, units, orders of
+//! columns, triggers off the grid. Each is read with the values that it is made of, within its
+//! printed digits, or refused; none is misread.
 
 use hertzscope::recording::Capture;
 use hertzscope::recording::tek_csv::read_all;
@@ -203,7 +204,8 @@ fn tables() -> impl Strategy<Value = Table> {
             decimal_comma,
             spare_digits,
             order,
-            // `_min` may be a minimum, and names with blanks are several words where blanks separate.
+            // `_min` may be a minimum, and names with blanks are several words where blanks
+            // separate.
             style: match (style, time_unit.0, separator) {
                 (3, "min", _) | (2, _, " ") => 0,
                 _ => style,

@@ -58,7 +58,8 @@ pub fn step() -> Capture {
     channel(1, 0.5, 0.0, |time| if time < 0.0 { 0.0 } else { 1.0 })
 }
 
-/// An FFT with a line of 10 dB at bin 512 over a floor 40 dB lower, as the instrument gives it at 1 V/div.
+/// An FFT with a line of 10 dB at bin 512 over a floor 40 dB lower, as the instrument gives it at 1
+/// V/div.
 pub fn spectrum() -> Capture {
     let mut capture = channel(1, 10.0, 0.0, |_| 0.0);
     let waveform = &mut capture.waveform;

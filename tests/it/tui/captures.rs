@@ -1,4 +1,5 @@
-//! Every real capture on the screen, alone, in folders and against others, where `HERTZSCOPE_CAPTURES` names their folder.
+//! Every real capture on the screen, alone, in folders and against others, where
+//! `HERTZSCOPE_CAPTURES` names their folder.
 
 use std::path::{Path, PathBuf};
 
@@ -36,7 +37,8 @@ fn captures() -> Option<Vec<(String, TraceSet)>> {
     Some(sets)
 }
 
-/// All pages and panels, zoomed and not, small and large: a picture each, with the trace's name on it.
+/// All pages and panels, zoomed and not, small and large: a picture each, with the trace's name on
+/// it.
 fn look_at(name: &str, set: &TraceSet) {
     let source = set.shots[0].captures[0].waveform.source.to_string();
     let ways: [&[Action]; 9] = [

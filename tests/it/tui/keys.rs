@@ -100,7 +100,8 @@ fn the_wheel_zooms_around_the_pointer() {
         modifiers: KeyModifiers::NONE,
     };
     let action = |column, row| mouse_action(wheel(column, row), Popup::Scope, Some(&layout));
-    // Three divisions right of the left edge, which is 2 left of the centre; half a cell is 1/14 division.
+    // Three divisions right of the left edge, which is 2 left of the centre; half a cell is 1/14
+    // division.
     let Some(Action::TimePerDivision { turn, anchor }) = action(9 + 21, 10) else {
         panic!("no zoom");
     };

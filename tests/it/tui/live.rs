@@ -1,4 +1,5 @@
-//! The bench behind the screen: knobs make scenes, scenes are struck on a thread, answers come back in order.
+//! The bench behind the screen: knobs make scenes, scenes are struck on a thread, answers come back
+//! in order.
 
 use std::sync::mpsc::Receiver;
 use std::time::Duration;
@@ -115,7 +116,8 @@ fn a_faster_striker_makes_a_higher_pulse_and_the_tuned_scene_says_so() {
     let faster = scene(&session).striker_speed().expect("a striker");
     assert!((faster / speed / 10f64.cbrt() - 1.0).abs() < 0.02, "{faster} from {speed}");
     assert!(peak(&session) > 1.5 * force, "{} from {force}", peak(&session));
-    // What is saved is a scene that stands on the one that was opened, and is the one that was struck.
+    // What is saved is a scene that stands on the one that was opened, and is the one that was
+    // struck.
     let text = session.model.live().expect("a bench").text();
     let saved = Scene::from_text("saved", "saved.toml", &text).expect("a sound scene");
     assert_eq!(saved.striker_speed(), Some(faster));
@@ -149,7 +151,8 @@ fn preload(session: &Session) -> f64 {
     scene(session).chain.contacts()[2].static_force
 }
 
-/// A force on top, a magnet of constant force, and a ring at its distance: typed, turned, switched on; what presses on the chain follows.
+/// A force on top, a magnet of constant force, and a ring at its distance: typed, turned, switched
+/// on; what presses on the chain follows.
 #[test]
 fn every_preload_is_a_knob() {
     let mut session = Session::bench("magnet-0.61g");
@@ -427,7 +430,8 @@ fn bands_follow_the_knobs() {
                 let top = high.values.iter().copied().fold(0.0, f64::max);
                 if top != before {
                     println!("bands after {:?}", began.elapsed());
-                    // Beside noise and rounding; where the pulse rises, 5 % of a share of the record may lie outside.
+                    // Beside noise and rounding; where the pulse rises, 5 % of a share of the
+                    // record may lie outside.
                     let margin = 4.0 * waveform.preamble.y_mult;
                     let inside = |index: &usize| {
                         let volts = waveform.volts_of(waveform.codes[*index]);

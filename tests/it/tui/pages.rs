@@ -108,11 +108,13 @@ fn the_cursor_pair_on_two_sensors_tells_a_speed() {
         (s.from, s.to, s.estimator) == (14, 27, "half_rise")
     };
     let expected = summary.speeds.iter().find(half).expect("a speed").m_per_s;
-    // Noise, eight bits and droop are between the two; half of the largest peak is not half of the first.
+    // Noise, eight bits and droop are between the two; half of the largest peak is not half of the
+    // first.
     assert!((speed / expected - 1.0).abs() < 0.05, "{speed} m/s, the forces say {expected} m/s");
 }
 
-/// 0.4 of a sphere of 4.76 mm below one centre and 0.4 of a cylinder of 3.12 mm above the other leave 47.971 of 51.123 mm.
+/// 0.4 of a sphere of 4.76 mm below one centre and 0.4 of a cylinder of 3.12 mm above the other
+/// leave 47.971 of 51.123 mm.
 #[test]
 fn the_speed_of_cursors_uses_the_plates_offsets() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -132,7 +134,8 @@ fn the_spectrum_has_the_band_edges_of_the_scene() {
     let mut session = Session::bench("magnet-0.61g");
     session.act(&[Action::Channel(2), Action::Page(Page::Spectrum)]);
     let chain = session.model.derived().chain.expect("two kinds take turns");
-    // The paper's Table: f1, f2, f3 around 8.3, 11.8 and 14.4 kHz at this preload are those of `bands`.
+    // The paper's Table: f1, f2, f3 around 8.3, 11.8 and 14.4 kHz at this preload are those of
+    // `bands`.
     assert!(chain.gap_bottom() < chain.gap_top() && chain.gap_top() < chain.cutoff());
     let screen = draw(&session.model, 80, 24);
     for words in ["f1", "f2", "f3", "|X|/M", "CH2 (p14)", "gap f1-f2"] {
@@ -149,8 +152,8 @@ fn the_spectrum_has_the_band_edges_of_the_scene() {
     draw(&model, 80, 24).find("no band edges");
 }
 
-/// The knob of the time base is that of the frequencies on the pages of spectra: what is under the pointer stays there, and nothing
-/// beyond what was sampled is shown.
+/// The knob of the time base is that of the frequencies on the pages of spectra: what is under the
+/// pointer stays there, and nothing beyond what was sampled is shown.
 #[test]
 fn spectra_are_zoomed_and_moved() {
     let tone = channel(1, 0.5, 0.0, |time| (std::f64::consts::TAU * 20e3 * time).sin());
@@ -302,8 +305,8 @@ fn autoset_shows_all_of_every_trace() {
     }
 }
 
-/// The pulses of all traces fill the screen: 4 to 7 divisions upward wherever 1-2-5 allows it, never less than 3 or more than 7.5; all first
-/// pulses are on it, and take half of its width.
+/// The pulses of all traces fill the screen: 4 to 7 divisions upward wherever 1-2-5 allows it,
+/// never less than 3 or more than 7.5; all first pulses are on it, and take half of its width.
 #[test]
 fn autoset_fills_the_screen_with_the_first_pulses() {
     let small = |number, start: f64| {

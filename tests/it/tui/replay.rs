@@ -234,7 +234,8 @@ fn flat(volts: f64, scale: f64) -> Vec<hertzscope::recording::Capture> {
     vec![channel(1, scale, 0.0, move |_| volts)]
 }
 
-/// The recordings behind stand on the axes of the one in front, whatever they were recorded with; each keeps its shot.
+/// The recordings behind stand on the axes of the one in front, whatever they were recorded with;
+/// each keeps its shot.
 #[test]
 fn several_recordings_are_shown_on_the_same_axes() {
     let mut model = model(recording(vec![flat(1.0, 0.5)]));
@@ -330,7 +331,8 @@ fn a_followed_shot_is_shown_whole_in_the_end() {
     let folder = tempfile::tempdir().expect("a folder");
     let (whole, grown) = (folder.path().join("whole.mcap"), folder.path().join("lab.mcap"));
     let mut shot = shots(1).remove(0);
-    // Noise, which does not compress: longer than a chunk, so that the truth stands in chunks of its own.
+    // Noise, which does not compress: longer than a chunk, so that the truth stands in chunks of
+    // its own.
     let mut random = 1_u64;
     let mut noise = || {
         random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
@@ -369,7 +371,8 @@ fn a_followed_shot_is_shown_whole_in_the_end() {
     assert_eq!(model.shot(), read.shots.first());
 }
 
-/// An hour of polling: commands and replies are counted, not kept, and of the log the last lines are.
+/// An hour of polling: commands and replies are counted, not kept, and of the log the last lines
+/// are.
 #[test]
 fn a_long_session_is_followed_in_little_memory() {
     let folder = tempfile::tempdir().expect("a folder");

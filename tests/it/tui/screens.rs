@@ -36,7 +36,8 @@ fn a_step_of_1_v_at_500_mv_per_division_rises_by_two_divisions() {
 #[test]
 fn on_a_large_screen_the_same_step_stands_in_the_same_division() {
     let screen = draw(&four_channels(), 200, 60);
-    // 38 dots across a division, 25 dots up: 19 columns, and the line of 2 V/div at dot 50, in row 12.
+    // 38 dots across a division, 25 dots up: 19 columns, and the line of 2 V/div at dot 50, in row
+    // 12.
     assert_eq!(screen.rows_of(9 + 19 * 5, Color::Yellow), [2 + 50 / 4]);
     assert_eq!(screen.rows_of(9 + 10, Color::Yellow), [2 + 100 / 4]);
     screen.find("CH1 500mV");
@@ -285,7 +286,8 @@ fn shifted_axes_have_round_labels() {
     let pan = Action::Pan(TurnDirection::Up);
     let up = Action::Position(TurnDirection::Up);
     let screen = draw(&after(four_channels(), &[ZOOM_IN, pan, up]), 80, 24);
-    // 100 µs/div, half a division to the left of 1 ms: 0.8 ms stands 3.5 divisions from the left, 1 ms 5.5.
+    // 100 µs/div, half a division to the left of 1 ms: 0.8 ms stands 3.5 divisions from the left, 1
+    // ms 5.5.
     for (text, division) in [("800µs", 3.5), ("1.00ms", 5.5), ("1.20ms", 7.5)] {
         let row = screen.row(19);
         let at = row.find(text).unwrap_or_else(|| panic!("no {text} in {row}"));

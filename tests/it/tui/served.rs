@@ -1,4 +1,5 @@
-//! The screen of a scope that is served somewhere else: what it shows, what its keys do there, and that nobody else notices.
+//! The screen of a scope that is served somewhere else: what it shows, what its keys do there, and
+//! that nobody else notices.
 
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::net::TcpListener;
@@ -120,7 +121,8 @@ fn it_shows_what_the_scope_shows_and_its_keys_turn_the_scope() {
         (Action::Single, "ACQ:STATE?;STOPA?", "1;SEQUENCE\n"),
     ] {
         session.act(action);
-        // The command went out before the answer to the next look, and the client's question comes after that.
+        // The command went out before the answer to the next look, and the client's question comes
+        // after that.
         let word = expected.trim_end();
         let mut answer = String::new();
         while answer.trim_end() != word {
@@ -141,7 +143,8 @@ fn it_shows_what_the_scope_shows_and_its_keys_turn_the_scope() {
     session.wait_for(|model| model.shot().is_some_and(|shot| shot.number > before));
     session.wait_for(|model| model.live().is_some_and(|l| l.acquisition == RunState::Stopped));
     assert_eq!(lab.ask("BENC:STRI:SPE?"), "5.87E-1\n");
-    // 0.587 m/s for 0.44 m/s: a force between the speed's power 1 of a preloaded chain and 6/5 of an unloaded one.
+    // 0.587 m/s for 0.44 m/s: a force between the speed's power 1 of a preloaded chain and 6/5 of
+    // an unloaded one.
     let ratio = peak(&session.model) / slow;
     let speeds: f64 = 0.587 / 0.44;
     assert!((0.97 * speeds..1.03 * speeds.powf(1.2)).contains(&ratio), "{ratio}");
@@ -152,8 +155,8 @@ fn it_shows_what_the_scope_shows_and_its_keys_turn_the_scope() {
     assert_eq!(scene.scope.channels[0].as_ref().expect("a channel").vertical.scale, 2.0);
 }
 
-/// A lab client reads its curve its own way while a screen takes every record: it never gets another curve, another encoding, or an
-/// event that it did not cause.
+/// A lab client reads its curve its own way while a screen takes every record: it never gets
+/// another curve, another encoding, or an event that it did not cause.
 #[test]
 fn nobody_else_notices() {
     let impact_every = Some(Duration::from_millis(20));
@@ -210,7 +213,8 @@ fn somebody_else_is_refused() {
     assert!(nobody.contains(&address), "{nobody}");
 }
 
-/// A server that answers its first message with `reply`, again and again, until the client leaves or 4 MiB are sent.
+/// A server that answers its first message with `reply`, again and again, until the client leaves
+/// or 4 MiB are sent.
 fn hostile(reply: &'static [u8]) -> String {
     let port = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = port.local_addr().expect("an address").to_string();
@@ -260,7 +264,8 @@ fn hostile_records_end_the_connection_and_not_the_memory() {
     }
 }
 
-/// The traces on screen are held against a scene's as they come, and recorded; the scope on screen is the measured side.
+/// The traces on screen are held against a scene's as they come, and recorded; the scope on screen
+/// is the measured side.
 #[test]
 fn what_is_shown_is_compared_with_a_scene_and_recorded() {
     let folder = tempfile::tempdir().expect("a folder");

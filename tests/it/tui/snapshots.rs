@@ -1,11 +1,12 @@
 //! Every page as a whole, at 80 x 24 and 200 x 60, against `snapshots/`.
 //!
-//! A change detector: the screens were written by the program. They show what a change does to the pages, and are no reference; what a
-//! page must show is in the other tests of this folder.
+//! A change detector: the screens were written by the program. They show what a change does to the
+//! pages, and are no reference; what a page must show is in the other tests of this folder.
 //!
-//! A snapshot is the screen's text and below it its colours, a letter a cell: small for the sixteen colours, a capital where the cell
-//! is reversed, a point for the terminal's own. `HERTZSCOPE_WRITE=1 cargo test --test it snapshots` writes them anew; look at what
-//! changed before you keep it.
+//! A snapshot is the screen's text and below it its colours, a letter a cell: small for the sixteen
+//! colours, a capital where the cell is reversed, a point for the terminal's own.
+//! `HERTZSCOPE_WRITE=1 cargo test --test it snapshots` writes them anew; look at what changed
+//! before you keep it.
 
 use std::fmt::Write as _;
 use std::path::Path;

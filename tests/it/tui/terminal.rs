@@ -1,6 +1,7 @@
 //! The program on a real terminal: a pseudo-terminal with a parser behind it that keeps the screen.
 //!
-//! Every wait is for what is to appear, as long as a generous time-out allows; no test depends on how long anything takes.
+//! Every wait is for what is to appear, as long as a generous time-out allows; no test depends on
+//! how long anything takes.
 
 use std::io::{Read as _, Write};
 use std::path::{Path, PathBuf};
@@ -264,7 +265,8 @@ fn without_colours_it_sends_none() {
 /// Where the program of the terminal is this test binary, and what it does there.
 const ON_TERMINAL: &str = "HERTZSCOPE_TEST_ON_TERMINAL";
 
-/// Runs in a process of its own, on a pseudo-terminal: panics in the thread of the screen, or in another one.
+/// Runs in a process of its own, on a pseudo-terminal: panics in the thread of the screen, or in
+/// another one.
 #[test]
 fn panics_on_its_terminal() {
     let Ok(place) = std::env::var(ON_TERMINAL) else { return };
@@ -303,7 +305,8 @@ fn a_panic_behind_the_screen_leaves_the_terminal_alone() {
     assert!(last_is(&all, OWN_SCREEN, "goes on"), "the screen was given back");
 }
 
-/// The terminal's window is closed, and no signal tells: a program that goes on reading would read for ever.
+/// The terminal's window is closed, and no signal tells: a program that goes on reading would read
+/// for ever.
 #[test]
 fn it_ends_when_its_terminal_is_gone() {
     let pair = native_pty_system().openpty(SIZE).expect("a pseudo-terminal");

@@ -1,6 +1,6 @@
-//! Rust's solvers and hertzscope, told scene by scene and setting by setting on standard input what to run; an answer a line in
-//! JSON. `scene NAME` describes a scene for the other peers, `run METHOD SETTING SECONDS NAME` solves it again and again for that
-//! long.
+//! Rust's solvers and hertzscope, told scene by scene and setting by setting on standard input what
+//! to run; an answer a line in JSON. `scene NAME` describes a scene for the other peers,
+//! `run METHOD SETTING SECONDS NAME` solves it again and again for that long.
 
 #[path = "../../../common/mod.rs"]
 mod common;

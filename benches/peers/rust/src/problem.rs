@@ -1,6 +1,8 @@
-//! A scene as plain equations in units of its own, so that one absolute tolerance suits positions and velocities alike.
+//! A scene as plain equations in units of its own, so that one absolute tolerance suits positions
+//! and velocities alike.
 //!
-//! Unit of length is the overlap that the impact will reach, of speed the striker's, of mass its mass.
+//! Unit of length is the overlap that the impact will reach, of speed the striker's, of mass its
+//! mass.
 //! `m x_i'' = A_i max(d_i + x_(i-1) - x_i, 0)^1.5 - A_(i+1) max(d_(i+1) + x_i - x_(i+1), 0)^1.5 + load_i`.
 
 use hertzscope::chain::{ChainSystem, ForceProbe};
@@ -93,8 +95,8 @@ impl Problem {
     }
 }
 
-/// Body, time (s) and height (N) of each first peak, by hertzscope's Dormand-Prince 8(5,3), which shares neither loops nor
-/// corrections with what is timed.
+/// Body, time (s) and height (N) of each first peak, by hertzscope's Dormand-Prince 8(5,3), which
+/// shares neither loops nor corrections with what is timed.
 fn reference(case: &Case) -> Vec<(usize, f64, f64)> {
     let bodies = case.chain.bodies().len();
     let state = State { time: 0.0, position: vec![0.0; bodies], velocity: case.velocities.clone() };

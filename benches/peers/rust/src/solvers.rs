@@ -1,5 +1,5 @@
-//! Rust's solvers as one would call them, and a velocity Verlet as one would write it. Each stops where the reference peaks, and
-//! hands over the state there; none records anything else.
+//! Rust's solvers as one would call them, and a velocity Verlet as one would write it. Each stops
+//! where the reference peaks, and hands over the state there; none records anything else.
 
 use differential_equations::prelude::{ExplicitRungeKutta, IVP, ODE};
 use ode_solvers::dop_shared::OutputType;
@@ -10,7 +10,8 @@ use crate::problem::Problem;
 /// Positions, then velocities.
 type State = Vec<f64>;
 
-/// Solves `problem` to its end by `method`, with a tolerance or a step of `setting`; the states at the reference's peaks.
+/// Solves `problem` to its end by `method`, with a tolerance or a step of `setting`; the states at
+/// the reference's peaks.
 pub fn solve(method: &str, setting: f64, problem: &Problem) -> Result<Vec<State>, String> {
     let mut times: Vec<f64> = problem.peaks.iter().map(|(_, time, _)| *time).collect();
     times.push(problem.duration);

@@ -16,7 +16,8 @@ use crate::tui::model::served::ServedUpdate;
 
 /// What the knobs of a scope can do; none if no scope ships.
 pub fn model(instrument: &InstrumentIdentity) -> Option<Model> {
-    // Of a sister that is not described here, the knobs' steps are much the same as of the scope in the scenes that ship.
+    // Of a sister that is not described here, the knobs' steps are much the same as of the scope in
+    // the scenes that ship.
     let shipped = || Some(Scene::load(Scene::names().first()?).ok()?.scope.model);
     oscilloscope(&instrument.model.to_lowercase()).ok().or_else(shipped)
 }
@@ -55,7 +56,8 @@ impl ServedSnapshot {
         };
     }
 
-    /// Query of the knobs that the scene has; others would put errors into the queue that all clients share.
+    /// Query of the knobs that the scene has; others would put errors into the queue that all
+    /// clients share.
     pub fn knobs_query(&self) -> Option<String> {
         let scene = self.named.as_ref()?;
         let striker = scene.striker_speed().map(|_| ":BENC:STRI:MASS?;SPE?");
@@ -83,7 +85,8 @@ impl ServedSnapshot {
         self.short.split(';').nth(place).unwrap_or_default()
     }
 
-    /// Whether a record has been taken since the scope runs; before, a query of one could be an error.
+    /// Whether a record has been taken since the scope runs; before, a query of one could be an
+    /// error.
     pub fn has_records(&self) -> bool {
         self.field(0).parse::<u32>().is_ok_and(|count| count > 0)
     }
