@@ -44,6 +44,7 @@ use std::f64::consts::TAU;
 use std::fmt;
 
 use realfft::RealFftPlanner;
+use serde::{Serialize, Serializer};
 
 use super::gate::Gate;
 use crate::quantity::Uncertain;
@@ -148,7 +149,7 @@ pub enum SpectrumError {
 }
 
 /// Amplitudes at evenly spaced frequencies from zero.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Spectrum {
     /// Unit of the amplitudes, `N` or `N/sqrt(Hz)`.
     pub unit: String,
@@ -157,8 +158,10 @@ pub struct Spectrum {
     /// Window of the record.
     pub window: Window,
     /// From one bin to the next, `1/(N dt)` (Hz).
+    #[serde(rename = "step_hz")]
     pub step: f64,
     /// Resolution, the least distance of two separate lines, `1/(M dt)` (Hz).
+    #[serde(rename = "resolution_hz")]
     pub resolution: f64,
     /// Samples of the record, `M`.
     pub samples: usize,
@@ -335,6 +338,18 @@ impl Window {
             Self::Hann => 2.0,
             Self::FlatTop => 5.0,
         }
+    }
+}
+
+impl Serialize for Convention {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl Serialize for Window {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
     }
 }
 

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Context as _, bail};
 use clap::Args;
-use serde_json::json;
+use serde::Serialize;
 use signal_hook::consts::TERM_SIGNALS;
 
 use super::overwrite::ending;
@@ -97,6 +97,19 @@ impl Troubles {
     }
 }
 
+/// What was recorded.
+#[derive(Serialize)]
+struct Acquired<'a> {
+    file: &'a Path,
+    shots: u32,
+    address: String,
+    model: &'a str,
+    serial: &'a str,
+    firmware: &'a str,
+    line_failures: u32,
+    dropped: u32,
+}
+
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     ending(&arguments.output, &["mcap"])?;
     let stop = StopSignal::new()?;
@@ -108,17 +121,20 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let restored = scope.end();
     let (file, shots) = recorded?;
     restored?;
-    if arguments.json {
-        let found = json!({
-            "file": file, "shots": shots, "address": arguments.address.to_string(), "model": instrument.model,
-            "serial": instrument.serial, "firmware": instrument.firmware,
-            "line_failures": troubles.line_failures, "dropped": troubles.dropped,
-        });
-        super::print(&serde_json::to_string_pretty(&found)?)?;
-    } else {
+    let found = Acquired {
+        file: &file,
+        shots,
+        address: arguments.address.to_string(),
+        model: &instrument.model,
+        serial: &instrument.serial,
+        firmware: &instrument.firmware,
+        line_failures: troubles.line_failures,
+        dropped: troubles.dropped,
+    };
+    super::show(&found, arguments.json, |found| {
         let plural = if shots == 1 { "" } else { "s" };
-        super::print(&format!("recorded    {}: {shots} shot{plural}", file.display()))?;
-    }
+        format!("recorded    {}: {shots} shot{plural}", found.file.display())
+    })?;
     if let Some(wanted) = arguments.shots.filter(|wanted| *wanted > shots) {
         bail!("stopped after {shots} of {wanted} shots");
     }

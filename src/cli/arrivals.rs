@@ -2,19 +2,18 @@
 
 use std::path::PathBuf;
 
-use anyhow::Context as _;
 use clap::Args;
-use serde_json::json;
+use serde::Serialize;
 
 use super::acquire::one_shot;
 use super::input::{ReadingArguments, no_capture};
 use super::picture;
-use crate::files;
-use crate::measurement::arrivals::survey;
-use crate::measurement::statistics::statistics;
+use crate::measurement::arrivals::{Survey, survey};
+use crate::measurement::statistics::{ShotStatistic, statistics};
 use crate::recording::TraceSet;
 use crate::recording::format::for_each_shot;
 use crate::report;
+use crate::table;
 
 /// Show when the first pulse arrived at each channel, its speed, and how well shots repeat; with
 /// uncertainties
@@ -41,6 +40,25 @@ fn csv(text: &str) -> Result<PathBuf, String> {
     }
 }
 
+/// Arrivals of all shots.
+#[derive(Serialize)]
+struct AllArrivals {
+    shots: Vec<Survey>,
+    statistics: Vec<ShotStatistic>,
+    problems: Vec<String>,
+}
+
+impl AllArrivals {
+    fn text(&self) -> String {
+        let mut pages: Vec<String> = self.shots.iter().map(report::arrivals).collect();
+        if self.shots.len() > 1 {
+            pages.push(report::statistics(&self.statistics));
+        }
+        pages.extend(self.problems.iter().map(|problem| format!("problem: {problem}")));
+        pages.join("\n\n")
+    }
+}
+
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let (mut surveys, mut problems) = (Vec::new(), Vec::new());
     let reading = &arguments.reading;
@@ -63,17 +81,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     let statistics = statistics(&surveys);
     if let Some(file) = &arguments.output {
-        files::write(file, report::statistics_csv(&statistics))
-            .with_context(|| file.display().to_string())?;
+        table::write(file, &report::statistics_table(&statistics))?;
     }
-    if arguments.json {
-        let all = json!({ "shots": surveys, "statistics": statistics, "problems": problems });
-        return super::print(&serde_json::to_string_pretty(&all)?);
-    }
-    let mut pages: Vec<String> = surveys.iter().map(report::arrivals).collect();
-    if surveys.len() > 1 {
-        pages.push(report::statistics(&statistics));
-    }
-    pages.extend(problems.iter().map(|problem| format!("problem: {problem}")));
-    super::print(&pages.join("\n\n"))
+    let all = AllArrivals { shots: surveys, statistics, problems };
+    super::show(&all, arguments.json, AllArrivals::text)
 }

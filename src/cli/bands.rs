@@ -2,14 +2,13 @@
 
 use anyhow::bail;
 use clap::Args;
-use serde_json::json;
 
 use super::picture::PlotArguments;
-use super::spectrum::add_band_edges;
 use crate::analysis::dispersion::DiatomicChain;
 use crate::measurement::metadata;
 use crate::quantity::{Dimension, parse};
 use crate::report;
+use crate::report::dispersion::{BandsPage, PressedChain};
 use crate::scene::{Scene, Site};
 
 /// Points from the lowest to the highest preload.
@@ -73,18 +72,12 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         (0..POINTS).map(|i| at(arguments.from * step.powf(f64::from(i)))).collect();
     rows.push(at(now));
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let title = format!("{}, around particle {particle}", scene.name);
-    arguments.plot.save(|| report::chart(&report::bands_curve(&rows, now), &title))?;
-    if !arguments.json {
-        return super::print(&report::bands(&title, &rows, now));
-    }
-    let points = rows.iter().map(|(force, chain)| {
-        let mut point =
-            json!({ "preload_n": force, "long_wave_speed_m_per_s": chain.sound_speed() });
-        add_band_edges(&mut point, Some(chain));
-        point
-    });
-    super::print(&serde_json::to_string_pretty(&json!({
-        "scene": scene.name, "particle": particle, "preload_n": now, "bands": points.collect::<Vec<_>>(),
-    }))?)
+    let page = BandsPage {
+        scene: scene.name,
+        particle,
+        preload: now,
+        bands: rows.into_iter().map(|(force, chain)| PressedChain::new(force, chain)).collect(),
+    };
+    arguments.plot.save(&page, || report::chart(&page.curve(), &page.title()))?;
+    super::show(&page, arguments.json, BandsPage::text)
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use clap::Args;
-use serde_json::json;
+use serde::Serialize;
 
 use super::AnswerIsNo;
 use super::acquire::one_shot;
@@ -17,8 +17,9 @@ use crate::recording::mcap;
 use crate::report::calibration::page;
 use crate::report::calibration_design::design_page;
 use crate::report::certificate::{certificate, pictures};
+use crate::report::{check_finite, to_json};
 use crate::scene::plan::{self, CalibrationPlan, lab};
-use crate::studies::momentum_test::coverage::coverage;
+use crate::studies::momentum_test::coverage::{Coverage, coverage};
 use crate::studies::momentum_test::design::{Designer, TestDesign};
 
 /// Calibrate a sensor from the momentum of impacts: sensitivity, time constant, uncertainty budget,
@@ -76,18 +77,17 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut plan = plan::load(plan)?;
     acquire_impacts(&mut plan)?;
     let found = calibration::run(&plan, &arguments.table.columns())?;
+    check_finite(&found.report)?;
     let refused = !found.report.contradictions.is_empty() && !arguments.force;
     if let Some(folder) = arguments.output.as_ref().filter(|_| !refused) {
         write(folder, &found)?;
     }
-    if arguments.json {
-        super::print(&serde_json::to_string_pretty(&found.report)?)?;
-    } else {
-        super::print(&page(&found.report))?;
-    }
+    super::show(&found.report, arguments.json, page)?;
     if refused {
         let wrong = found.report.contradictions.join("; ");
-        eprintln!("refused, nothing is certified (--force certifies it all the same): {wrong}");
+        super::say(&format!(
+            "refused, nothing is certified (--force certifies it all the same): {wrong}"
+        ));
         return Err(AnswerIsNo.into());
     }
     if arguments.json {
@@ -119,6 +119,16 @@ fn acquire_impacts(plan: &mut CalibrationPlan) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// The design of a calibration.
+#[derive(Serialize)]
+struct Design<'a> {
+    sensor: &'a str,
+    lab: Option<&'a Path>,
+    best: &'a TestDesign,
+    candidates: &'a [TestDesign],
+    blind: Option<&'a Coverage>,
+}
+
 fn simulate(arguments: &Arguments) -> anyhow::Result<()> {
     let sensor = arguments.simulate.as_deref().unwrap_or_default();
     let mut lab = lab::load(arguments.lab.as_deref())?;
@@ -148,14 +158,12 @@ fn simulate(arguments: &Arguments) -> anyhow::Result<()> {
         Some(folder) => Some(write_test(folder, &designer, best)?),
         None => None,
     };
-    if arguments.json {
-        let design = json!({
-            "sensor": sensor, "lab": arguments.lab, "best": best, "candidates": candidates, "blind": checked,
-        });
-        return super::print(&serde_json::to_string_pretty(&design)?);
-    }
-    super::print(&design_page(sensor, designer.lab(), &candidates, checked.as_ref()))?;
-    if let Some(plan) = written {
+    let lab = arguments.lab.as_deref();
+    let design = Design { sensor, lab, best, candidates: &candidates, blind: checked.as_ref() };
+    super::show(&design, arguments.json, |design| {
+        design_page(sensor, designer.lab(), &candidates, design.blind)
+    })?;
+    if let Some(plan) = written.filter(|_| !arguments.json) {
         super::print(&format!("  plan        {}", plan.display()))?;
     }
     Ok(())
@@ -183,7 +191,7 @@ fn write(folder: &Path, found: &Calibrated) -> anyhow::Result<()> {
     let files = [
         ("certificate.md".to_owned(), markdown),
         ("certificate.html".to_owned(), html),
-        ("calibration.json".to_owned(), serde_json::to_string_pretty(report)? + "\n"),
+        ("calibration.json".to_owned(), to_json(report)? + "\n"),
         (format!("{sensor}.toml"), sensor_file(report)),
     ];
     let write = || {

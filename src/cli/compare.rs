@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
+use serde::Serialize;
 
 use super::budget::DrawArguments;
 use super::input::{Selection, TableArguments, assignment, shot};
@@ -16,7 +17,7 @@ use crate::experiment::{self, Integration, facts};
 use crate::files;
 use crate::measurement::compare::mapping::Assignment;
 use crate::measurement::compare::score_limits::ScoreLimits;
-use crate::measurement::compare::{Align, Compared, ComparedShot, compare};
+use crate::measurement::compare::{Align, Compared, ComparedShot, Comparison, compare};
 use crate::recording::format::{Format, open_shot};
 use crate::recording::{TraceSet, mcap};
 use crate::report;
@@ -90,6 +91,14 @@ impl From<AlignBy> for Align {
     }
 }
 
+/// The scores, with the normalised errors of an uncertain scene.
+#[derive(Serialize)]
+struct Scores<'a> {
+    #[serde(flatten)]
+    comparison: &'a Comparison,
+    normalised_errors: Vec<NormalisedError>,
+}
+
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(file) = &arguments.output {
         ending(file, &["md", "html", "mcap"])?;
@@ -117,6 +126,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut compared = compare(measured, simulated, how, &limits)?;
     let errors = errors(arguments, &simulation, &mut compared)?;
     let comparison = &compared.comparison;
+    let scores = Scores { comparison, normalised_errors: errors };
+    report::check_finite(&scores)?;
     if let Some(file) = &arguments.output {
         let title = format!("{name} against {}", arguments.simulated);
         if ending(file, &["md", "html", "mcap"])? == "mcap" {
@@ -126,18 +137,14 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             write_document(file, &title, &|stem| report::comparison_parts(&compared, stem))?;
         }
     }
-    if arguments.json {
-        let mut scores = serde_json::to_value(comparison)?;
-        if let Some(fields) = scores.as_object_mut() {
-            fields.insert("normalised_errors".to_owned(), serde_json::to_value(&errors)?);
+    super::show(&scores, arguments.json, |scores| {
+        let mut page = report::comparison(scores.comparison);
+        if !scores.normalised_errors.is_empty() {
+            page.push_str("\n\n");
+            page.push_str(&report::normalised_error_lines(&scores.normalised_errors).join("\n"));
         }
-        super::print(&serde_json::to_string_pretty(&scores)?)?;
-    } else {
-        super::print(&report::comparison(comparison))?;
-        if !errors.is_empty() {
-            super::print(&format!("\n{}", report::normalised_error_lines(&errors).join("\n")))?;
-        }
-    }
+        page
+    })?;
     if comparison.failures.is_empty() { Ok(()) } else { Err(super::AnswerIsNo.into()) }
 }
 

@@ -19,7 +19,7 @@ use crate::report::{self, ScreenTheme};
 use crate::scene::oscilloscope;
 use crate::scope::{Model, Source};
 use crate::screen::{PictureFormat, draw, file};
-use crate::sweep::table;
+use crate::table;
 
 use super::saved::saved;
 

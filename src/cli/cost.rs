@@ -51,12 +51,12 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     progress.done();
     let found = found.map_err(|error| anyhow!("{}: no reference: {error}", scene.name))?;
     let work = if arguments.evaluations { WorkMeasure::Evaluations } else { WorkMeasure::Time };
-    arguments.plot.save(|| report::work_precision_svg(&found, work))?;
+    arguments.plot.save(&found, || report::work_precision_svg(&found, work))?;
     if let Some(file) = &arguments.record {
         record(file, &scene, &found)?;
     }
     if arguments.json {
-        super::print(&serde_json::to_string_pretty(&found)?)
+        super::show(&found, true, |_| String::new())
     } else {
         super::print_as_it_is(&report::work_precision(&found, work, super::is_coloured()))
     }

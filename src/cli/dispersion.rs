@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use anyhow::bail;
 use clap::Args;
-use serde_json::json;
 
 use super::input::ReadingArguments;
 use super::picture::PlotArguments;
@@ -65,35 +64,8 @@ fn percent(text: &str) -> Result<f64, String> {
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     arguments.plot.check()?;
     let page = page(arguments)?;
-    arguments.plot.save(|| page.svg())?;
-    if !arguments.json {
-        return super::print(&page.text());
-    }
-    let lines = page.found.lines.iter().map(|line| {
-        json!({
-            "frequency_hz": line.frequency,
-            "phase_rad": line.phase,
-            "wavenumber_per_m": line.phase / page.chain.cell,
-            "height": line.height,
-            "onward": line.onward,
-            "theory_hz": page.theory(line),
-        })
-    });
-    let [acoustic, optical] = page.branches();
-    super::print(&serde_json::to_string_pretty(&json!({
-        "title": page.title,
-        "preload_n": page.preload,
-        "cell_m": page.chain.cell,
-        "cells": page.cells,
-        "f1_hz": page.chain.gap_bottom(),
-        "f2_hz": page.chain.gap_top(),
-        "f3_hz": page.chain.cutoff(),
-        "frequency_resolution_hz": page.found.frequency_resolution,
-        "phase_resolution_rad": page.found.phase_resolution,
-        "lines": lines.collect::<Vec<_>>(),
-        "acoustic": acoustic,
-        "optical": optical,
-    }))?)
+    arguments.plot.save(&page, || page.svg())?;
+    super::show(&page, arguments.json, DispersionPage::text)
 }
 
 fn page(arguments: &Arguments) -> anyhow::Result<DispersionPage> {

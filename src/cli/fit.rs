@@ -197,10 +197,11 @@ fn run_fit(
     if let Err(error) = &found
         && error.has_no_result()
     {
-        eprintln!("not fitted: {error}");
+        super::say(&format!("not fitted: {error}"));
         return Err(AnswerIsNo.into());
     }
     let found = found?;
+    report::check_finite(&found.report)?;
     if let Some(file) = &arguments.output {
         let text = fitted_scene(&scene, &knobs, &found);
         files::write(file, text).with_context(|| file.display().to_string())?;
@@ -209,13 +210,9 @@ fn run_fit(
         let title = format!("{} fitted to {measured}", found.report.scene);
         write_document(file, &title, &|stem| report::fit_parts(&found, stem))?;
     }
-    if arguments.json {
-        super::print(&serde_json::to_string_pretty(&found.report)?)?;
-    } else {
-        super::print(&report::fit(&found.report))?;
-        if let Some(file) = &arguments.output {
-            super::print(&format!("  scene    {}", file.display()))?;
-        }
+    super::show(&found.report, arguments.json, report::fit)?;
+    if let Some(file) = arguments.output.as_ref().filter(|_| !arguments.json) {
+        super::print(&format!("  scene    {}", file.display()))?;
     }
     if found.report.only_noise_is_left { Ok(()) } else { Err(AnswerIsNo.into()) }
 }
@@ -241,8 +238,5 @@ fn run_blind(
     let found = blind(&scene, &knobs, trials, options, &mut |share| progress.at(share));
     progress.done();
     let found = found?;
-    if arguments.json {
-        return super::print(&serde_json::to_string_pretty(&found)?);
-    }
-    super::print(&report::blind(&found, name))
+    super::show(&found, arguments.json, |found| report::blind(found, name))
 }

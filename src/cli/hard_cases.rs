@@ -30,11 +30,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<bool> {
     let mut progress = JobProgress::new("hard cases", arguments.quiet);
     let findings = run_all(&mut |share| progress.at(share));
     progress.done();
-    arguments.plot.save(|| report::hard_cases_svg(&findings))?;
-    if arguments.json {
-        super::print(&serde_json::to_string_pretty(&findings)?)?;
-    } else {
-        super::print(&report::hard_cases(&findings, arguments.why))?;
-    }
+    arguments.plot.save(&findings, || report::hard_cases_svg(&findings))?;
+    super::show(&findings, arguments.json, |found| report::hard_cases(found, arguments.why))?;
     Ok(findings.iter().all(|finding| finding.verdict != CaseVerdict::Wrong))
 }

@@ -3,7 +3,6 @@
 
 use anyhow::bail;
 use clap::Args;
-use serde_json::{Value, json};
 
 use super::picture::PlotArguments;
 use crate::quantity::{Dimension, parse};
@@ -71,33 +70,6 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         bail!("found a distance of {distance} m, expected one within the table, {near} to {far} m");
     }
     let page = MagnetPage { magnet, temperature, wanted, places };
-    arguments.plot.save(|| report::chart(&page.curve(), &page.magnet.name))?;
-    if arguments.json {
-        super::print(&serde_json::to_string_pretty(&as_json(&page))?)
-    } else {
-        super::print(&page.text())
-    }
-}
-
-fn as_json(page: &MagnetPage) -> Value {
-    let places = page.places.iter().map(|place| {
-        json!({
-            "distance_m": place.distance,
-            "force_n": place.force,
-            "slope_n_per_m": place.slope,
-            "field_t": place.field,
-            "gradient_t_per_m": place.gradient,
-            "saturation": place.saturation,
-        })
-    });
-    let curve = page.curve();
-    let of = |f: fn(&(f64, f64)) -> f64| curve.points.iter().map(f).collect::<Vec<_>>();
-    json!({
-        "magnet": page.magnet.name,
-        "source": page.magnet.source,
-        "temperature_k": page.temperature,
-        "wanted_n": page.wanted,
-        "places": places.collect::<Vec<_>>(),
-        "curve": { "distance_m": of(|p| p.0), "force_n": of(|p| p.1) },
-    })
+    arguments.plot.save(&page, || report::chart(&page.curve(), &page.magnet.name))?;
+    super::show(&page, arguments.json, MagnetPage::text)
 }

@@ -49,12 +49,15 @@ mod tunability;
 #[cfg(feature = "tui")]
 mod view;
 
+use std::io::Write as _;
 use std::process::ExitCode;
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 use crate::chain::simd::InstructionSet;
-use output::{AnswerIsNo, is_broken_pipe, is_coloured, print, print_as_it_is, print_toml, say};
+use output::{
+    AnswerIsNo, is_broken_pipe, is_coloured, print, print_as_it_is, print_toml, say, show,
+};
 
 /// Exit code of an answer that is no.
 const EXIT_ANSWER_NO: u8 = 1;
@@ -127,10 +130,10 @@ fn command_line() -> clap::Command {
 /// Runs the program on the process's own arguments.
 pub fn main() -> ExitCode {
     completions::answer(command_line);
-    let matches = command_line().get_matches();
-    let command = match Arguments::from_arg_matches(&matches) {
+    let parsed = command_line().try_get_matches();
+    let command = match parsed.and_then(|matches| Arguments::from_arg_matches(&matches)) {
         Ok(arguments) => arguments.command,
-        Err(error) => error.exit(),
+        Err(stop) => return help_or_refusal(&stop),
     };
     survive_file_limit();
     if let Err(reason) = InstructionSet::chosen() {
@@ -185,6 +188,17 @@ pub fn main() -> ExitCode {
             say(&format!("error: {}", without_numbers(&format!("{error:#}"))));
             ExitCode::from(EXIT_FAILURE)
         }
+    }
+}
+
+/// Prints the help or version that was asked for, or why the arguments are wrong.
+fn help_or_refusal(stop: &clap::Error) -> ExitCode {
+    match stop.print().and_then(|()| std::io::stdout().flush()) {
+        Err(error) if !stop.use_stderr() && error.kind() != std::io::ErrorKind::BrokenPipe => {
+            say(&format!("error: {}", without_numbers(&error.to_string())));
+            ExitCode::from(EXIT_FAILURE)
+        }
+        _ => ExitCode::from(u8::try_from(stop.exit_code()).unwrap_or(EXIT_FAILURE)),
     }
 }
 

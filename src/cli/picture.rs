@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use clap::Args;
+use serde::Serialize;
 
 use super::overwrite::OverwriteArguments;
 use crate::files;
@@ -30,8 +31,13 @@ impl PlotArguments {
         self.plot.iter().try_for_each(|file| self.overwrite.check(file))
     }
 
-    /// Draws the picture, if one is wanted.
-    pub fn save(&self, svg: impl FnOnce() -> String) -> anyhow::Result<()> {
+    /// Draws the picture of `result`, if one is wanted.
+    pub fn save<R: Serialize + ?Sized>(
+        &self,
+        result: &R,
+        svg: impl FnOnce() -> String,
+    ) -> anyhow::Result<()> {
+        crate::report::check_finite(result)?;
         match &self.plot {
             Some(file) if self.dark => self::save(file, &crate::report::on_dark(&svg())),
             Some(file) => self::save(file, &svg()),

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
 use clap::Args;
-use serde_json::json;
+use serde::{Serialize, Serializer};
 
 use super::accuracy::AccuracyArguments;
 use super::budget::DrawArguments;
@@ -16,8 +16,8 @@ use crate::experiment::auto_effects::resolve_auto_effects;
 use crate::experiment::by_hand::{advice, edge, run_by_hand};
 use crate::experiment::outcome::Summary;
 use crate::experiment::{Integration, RunError, facts, first_attempt};
-use crate::measurement::arrivals::{Survey, survey};
-use crate::measurement::statistics::statistics;
+use crate::measurement::arrivals::survey;
+use crate::measurement::statistics::{ShotStatistic, statistics};
 use crate::recording::mcap::RecordingWriter;
 use crate::recording::{Shot, TraceSet};
 use crate::report;
@@ -143,54 +143,80 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     } else {
         None
     };
+    // As it was typed.
+    let recording = arguments.output.as_ref().unwrap_or(&file).display().to_string();
+    let found = RunResult {
+        statistics: (arguments.shots > 1).then(|| statistics(&surveys)),
+        shots: summaries,
+        recording,
+        uncertainty: predicted,
+    };
     let title = format!("{}: {}", scene.name, scene.title);
-    arguments.plot.save(|| match &predicted {
+    arguments.plot.save(&found, || match &found.uncertainty {
         Some(predicted) => report::bands_picture(&predicted.bands, &title),
         None => first.map_or_else(String::new, |shot| report::shot_picture(&shot, &title)),
     })?;
-    // As it was typed.
-    let recording = arguments.output.as_ref().unwrap_or(&file).display().to_string();
-    tell(arguments, &summaries, &surveys, predicted.as_ref(), &recording)
+    if arguments.json || !arguments.quiet {
+        return super::show(&found, arguments.json, RunResult::text);
+    }
+    // Scripts read standard output; the name may be one that the program chose.
+    for note in found.shots.iter().flat_map(|summary| &summary.notes) {
+        if note.code == "not_triggered" {
+            super::say(&format!("note        {note}"));
+        }
+    }
+    super::say(&format!("recording   {}", found.recording));
+    Ok(())
 }
 
-/// Prints what happened.
-fn tell(
-    arguments: &Arguments,
-    summaries: &[Summary],
-    surveys: &[Survey],
-    predicted: Option<&UncertainPrediction>,
-    recording: &str,
-) -> anyhow::Result<()> {
-    if arguments.json {
-        let mut summary = match summaries {
-            [summary] => serde_json::to_value(summary)?,
-            several => json!({ "shots": several, "statistics": statistics(surveys) }),
+/// Result of the command: the summary of a single shot has its fields beside `recording`, several
+/// are a list `shots`.
+struct RunResult {
+    shots: Vec<Summary>,
+    statistics: Option<Vec<ShotStatistic>>,
+    recording: String,
+    uncertainty: Option<UncertainPrediction>,
+}
+
+impl Serialize for RunResult {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        #[serde(untagged)]
+        enum Shots<'a> {
+            One(&'a Summary),
+            Several { shots: &'a [Summary], statistics: &'a Option<Vec<ShotStatistic>> },
+        }
+        #[derive(Serialize)]
+        struct Fields<'a> {
+            #[serde(flatten)]
+            shots: Shots<'a>,
+            recording: &'a str,
+            #[serde(skip_serializing_if = "Option::is_none")]
+            uncertainty: &'a Option<UncertainPrediction>,
+        }
+        let shots = match self.shots.as_slice() {
+            [summary] => Shots::One(summary),
+            shots => Shots::Several { shots, statistics: &self.statistics },
         };
-        summary["recording"] = json!(recording);
-        if let Some(predicted) = predicted {
-            summary["uncertainty"] = serde_json::to_value(predicted)?;
-        }
-        super::print(&serde_json::to_string_pretty(&summary)?)?;
-    } else if arguments.quiet {
-        // Scripts read standard output; the name may be one that the program chose.
-        for note in summaries.iter().flat_map(|summary| &summary.notes) {
-            if note.code == "not_triggered" {
-                eprintln!("note        {note}");
-            }
-        }
-        eprintln!("recording   {recording}");
-    } else {
-        super::print(&summaries.first().map(report::summary).unwrap_or_default())?;
-        if arguments.shots > 1 {
-            super::print(&format!("\nabove shot 1 of {}\n", arguments.shots))?;
-            super::print(&format!("{}\n", report::statistics(&statistics(surveys))))?;
-        }
-        if let Some(predicted) = predicted {
-            super::print(&format!("\n{}", report::prediction_intervals(predicted)))?;
-        }
-        super::print(&format!("  recording   {recording}"))?;
+        let (recording, uncertainty) = (self.recording.as_str(), &self.uncertainty);
+        Fields { shots, recording, uncertainty }.serialize(serializer)
     }
-    Ok(())
+}
+
+impl RunResult {
+    fn text(&self) -> String {
+        let mut page = self.shots.first().map(report::summary).unwrap_or_default();
+        if let Some(statistics) = &self.statistics {
+            page = format!("shot 1 of {}\n\n{page}\n\n", self.shots.len());
+            page.push_str(&report::statistics(statistics));
+            page.push('\n');
+        }
+        if let Some(predicted) = &self.uncertainty {
+            page.push_str("\n\n");
+            page.push_str(&report::prediction_intervals(predicted));
+        }
+        format!("{page}\n  recording   {}", self.recording)
+    }
 }
 
 /// The problem with a step or tolerance by hand, and a working one.

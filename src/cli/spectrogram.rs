@@ -1,7 +1,6 @@
 //! `hertzscope spectrogram`: how a signal's frequencies change with time.
 
 use clap::Args;
-use serde_json::json;
 
 use super::picture::PlotArguments;
 use super::signal::{SignalArguments, WindowChoice, time};
@@ -62,31 +61,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let highest =
         chain.map_or(SHOWN_SHARE * 0.5 / trace.interval, |chain| BAND_MARGIN * chain.cutoff());
     let title = arguments.signal.title(&trace);
-    let page = SpectrogramPage { title, map, chain, highest };
-    arguments.plot.save(|| svg(&page))?;
-    let clipped = arguments.signal.clipped(&set);
-    if !arguments.json {
-        let note = clipped.map(|note| format!("  note  {note}"));
-        let lines: Vec<String> = std::iter::once(text(&page)).chain(note).collect();
-        return super::print(&lines.join("\n"));
-    }
-    let map = &page.map;
-    let first = map.columns.first();
-    super::print(&serde_json::to_string_pretty(&json!({
-        "signal": page.title,
-        "unit": first.map(|column| &column.unit),
-        "convention": first.map(|column| column.convention.to_string()),
-        "window": first.map(|column| column.window.to_string()),
-        "segment_samples": pieces.segment,
-        "hop_samples": pieces.hop,
-        "step_hz": first.map(|column| column.step),
-        "resolution_hz": first.map(|column| column.resolution),
-        "f1_hz": page.chain.map(|chain| chain.gap_bottom()),
-        "f2_hz": page.chain.map(|chain| chain.gap_top()),
-        "f3_hz": page.chain.map(|chain| chain.cutoff()),
-        "notes": clipped.into_iter().collect::<Vec<_>>(),
-        "times_s": map.times,
-        "ridge_hz": map.ridge(0.0, f64::INFINITY),
-        "amplitude": map.columns.iter().map(|column| &column.amplitude).collect::<Vec<_>>(),
-    }))?)
+    let notes = arguments.signal.clipped(&set).into_iter().collect();
+    let page = SpectrogramPage { title, map, chain, highest, pieces, notes };
+    arguments.plot.save(&page, || svg(&page))?;
+    super::show(&page, arguments.json, text)
 }

@@ -6,18 +6,13 @@ use std::sync::Mutex;
 use anyhow::anyhow;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
-use serde_json::{Value, json};
 
 use super::picture::PlotArguments;
 use super::progress::JobProgress;
-use crate::analysis::dispersion::DiatomicChain;
 use crate::quantity::{Dimension, parse};
-use crate::report;
+use crate::report::{self, TunabilityPage};
 use crate::scene::Scene;
-use crate::studies::tunability::{TunedPoint, Tuning, TuningParameter, tune};
-
-/// Bands of frequency that JSON tells of, each 500 Hz wide.
-const BANDS: usize = 40;
+use crate::studies::tunability::{TuningParameter, tune};
 
 /// Map pass bands and pulse speed over a chain's preload, masses, modulus and striker
 #[derive(Debug, Args)]
@@ -72,36 +67,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     progress.into_inner().map_err(|_| anyhow!("a thread has failed"))?.done();
     let found = found?;
     let title = format!("{}: {}", scene.name, scene.title);
-    arguments.plot.save(|| report::tunability_svg(&title, &found))?;
-    if arguments.json {
-        let tunings: Vec<Value> = found.iter().map(as_json).collect();
-        super::print(&serde_json::to_string_pretty(
-            &json!({ "scene": scene.name, "knobs": tunings }),
-        )?)
-    } else {
-        super::print(&report::tunability(&title, &found))
-    }
-}
-
-fn as_json(tuning: &Tuning) -> Value {
-    json!({
-        "knob": tuning.knob.name(),
-        "unit": tuning.knob.unit(),
-        "now": tuning.now,
-        "points": tuning.points.iter().map(point).collect::<Vec<_>>(),
-    })
-}
-
-fn point(point: &TunedPoint) -> Value {
-    let of = |value: fn(&DiatomicChain) -> f64| point.chain.map(|chain| value(&chain));
-    json!({
-        "value": point.value,
-        "f1_hz": of(DiatomicChain::gap_bottom),
-        "f2_hz": of(DiatomicChain::gap_top),
-        "f3_hz": of(DiatomicChain::cutoff),
-        "long_wave_speed_m_per_s": of(DiatomicChain::sound_speed),
-        "pulse_speed_m_per_s": point.pulse_speed,
-        "first_peak_ratio": point.transmission,
-        "transmitted_db_per_500_hz": report::transmitted(point, BANDS),
-    })
+    let page = TunabilityPage { scene: scene.name, title, tunings: found };
+    arguments.plot.save(&page, || report::tunability_svg(&page.title, &page.tunings))?;
+    super::show(&page, arguments.json, |page| report::tunability(&page.title, &page.tunings))
 }

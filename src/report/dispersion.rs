@@ -3,7 +3,10 @@
 
 use std::f64::consts::PI;
 
+use serde::{Serialize, Serializer};
+
 use super::plot::{Curve, Label, PointSet, braille, scatter};
+use super::spectrum::band_edges;
 use super::{chart, table};
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::wavenumber::{SpectralLine, SpectralLines};
@@ -25,6 +28,56 @@ pub struct DispersionPage {
     pub found: SpectralLines,
     /// How many cells they were found in.
     pub cells: usize,
+}
+
+impl Serialize for DispersionPage {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct Line {
+            frequency_hz: f64,
+            phase_rad: f64,
+            wavenumber_per_m: f64,
+            height: f64,
+            onward: bool,
+            theory_hz: f64,
+        }
+        #[derive(Serialize)]
+        struct Fields<'a> {
+            title: &'a str,
+            preload_n: f64,
+            cell_m: f64,
+            cells: usize,
+            #[serde(flatten, serialize_with = "band_edges")]
+            chain: Option<DiatomicChain>,
+            frequency_resolution_hz: f64,
+            phase_resolution_rad: f64,
+            lines: Vec<Line>,
+            acoustic: Vec<(f64, f64)>,
+            optical: Vec<(f64, f64)>,
+        }
+        let line = |line: &SpectralLine| Line {
+            frequency_hz: line.frequency,
+            phase_rad: line.phase,
+            wavenumber_per_m: line.phase / self.chain.cell,
+            height: line.height,
+            onward: line.onward,
+            theory_hz: self.theory(line),
+        };
+        let [acoustic, optical] = self.branches();
+        Fields {
+            title: &self.title,
+            preload_n: self.preload,
+            cell_m: self.chain.cell,
+            cells: self.cells,
+            chain: Some(self.chain),
+            frequency_resolution_hz: self.found.frequency_resolution,
+            phase_resolution_rad: self.found.phase_resolution,
+            lines: self.found.lines.iter().map(line).collect(),
+            acoustic,
+            optical,
+        }
+        .serialize(serializer)
+    }
 }
 
 impl DispersionPage {
@@ -114,8 +167,63 @@ fn labels() -> [Label; 2] {
     [Label::new("phase per cell, k a", "rad"), Label::new("frequency", "Hz")]
 }
 
+/// The linear chain under one preload.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PressedChain {
+    /// Preload (N).
+    pub preload_n: f64,
+    /// Speed of long waves (m/s).
+    pub long_wave_speed_m_per_s: f64,
+    /// The chain.
+    #[serde(flatten, serialize_with = "band_edges")]
+    chain: Option<DiatomicChain>,
+}
+
+impl PressedChain {
+    /// `chain`, which is under `preload` (N).
+    pub fn new(preload: f64, chain: DiatomicChain) -> Self {
+        let speed = chain.sound_speed();
+        Self { preload_n: preload, long_wave_speed_m_per_s: speed, chain: Some(chain) }
+    }
+}
+
+/// Page of `bands`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BandsPage {
+    /// Name of the scene.
+    pub scene: String,
+    /// Particle around which the chain is periodic.
+    pub particle: usize,
+    /// Preload of the scene (N).
+    #[serde(rename = "preload_n")]
+    pub preload: f64,
+    /// The chain under several preloads.
+    pub bands: Vec<PressedChain>,
+}
+
+impl BandsPage {
+    fn chains(&self) -> Vec<(f64, DiatomicChain)> {
+        self.bands.iter().filter_map(|row| Some((row.preload_n, row.chain?))).collect()
+    }
+
+    /// Title of the page and the picture.
+    pub fn title(&self) -> String {
+        format!("{}, around particle {}", self.scene, self.particle)
+    }
+
+    /// The picture's curve.
+    pub fn curve(&self) -> Curve {
+        bands_curve(&self.chains(), self.preload)
+    }
+
+    /// The page as text.
+    pub fn text(&self) -> String {
+        bands(&self.title(), &self.chains(), self.preload)
+    }
+}
+
 /// The gap's lower edge over the preload, or without a gap the cut-off.
-pub fn bands_curve(rows: &[(f64, DiatomicChain)], now: f64) -> Curve {
+fn bands_curve(rows: &[(f64, DiatomicChain)], now: f64) -> Curve {
     let has_gap = rows.iter().all(|(_, chain)| chain.has_gap());
     let edge = |chain: &DiatomicChain| if has_gap { chain.gap_bottom() } else { chain.cutoff() };
     let name = if has_gap {
@@ -131,8 +239,7 @@ pub fn bands_curve(rows: &[(f64, DiatomicChain)], now: f64) -> Curve {
     }
 }
 
-/// The page that `bands` prints.
-pub fn bands(title: &str, rows: &[(f64, DiatomicChain)], now: f64) -> String {
+fn bands(title: &str, rows: &[(f64, DiatomicChain)], now: f64) -> String {
     let hertz = |f: f64| engineering(f, "Hz", 4);
     let gap_edge =
         |chain: &DiatomicChain, edge| if chain.has_gap() { hertz(edge) } else { "-".to_owned() };

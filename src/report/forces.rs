@@ -1,5 +1,7 @@
 //! Forces by calibrated sensors as a page of text and as a curve.
 
+use serde::{Serialize, Serializer};
+
 use super::chart::{Under, charts_over};
 use super::plot::{Curve, Label, braille};
 use super::table;
@@ -7,6 +9,59 @@ use crate::measurement::arrivals::sensitivities_unknown;
 use crate::measurement::force::Forces;
 use crate::quantity::coverage::NORMAL_95;
 use crate::quantity::engineering;
+
+/// Page of `force`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ForcePage {
+    /// Number of the shot.
+    pub shot: u32,
+    /// Forces of the channels.
+    #[serde(serialize_with = "channels")]
+    pub channels: Vec<Forces>,
+    /// Why other channels have no forces.
+    pub problems: Vec<String>,
+    /// Notes for the reader.
+    pub notes: Vec<String>,
+}
+
+fn channels<S: Serializer>(found: &[Forces], serializer: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Channel<'a> {
+        channel: &'a str,
+        sensor: &'a str,
+        sensitivity_v_per_n: Option<f64>,
+        sensitivity_u_relative: Option<f64>,
+        gain_u_relative: f64,
+        gain_note: Option<String>,
+        tau_s: Option<f64>,
+        tau_u_relative: Option<f64>,
+        start_s: f64,
+        interval_s: f64,
+        force_n: &'a [f64],
+        u_n: &'a [f64],
+        #[serde(rename = "U95_n")]
+        expanded_n: &'a [f64],
+        noise_u_n: &'a [f64],
+        clipped: usize,
+    }
+    serializer.collect_seq(found.iter().map(|forces| Channel {
+        channel: &forces.channel,
+        sensor: &forces.sensor.name,
+        sensitivity_v_per_n: forces.sensor.sensitivity,
+        sensitivity_u_relative: forces.sensor.sensitivity_u,
+        gain_u_relative: forces.sensor.gain_u,
+        gain_note: forces.sensor.gain_note(),
+        tau_s: forces.sensor.time_constant,
+        tau_u_relative: forces.sensor.time_constant_u,
+        start_s: forces.force.start,
+        interval_s: forces.force.interval,
+        force_n: &forces.force.values,
+        u_n: &forces.u,
+        expanded_n: &forces.expanded,
+        noise_u_n: &forces.noise_u,
+        clipped: forces.clipped,
+    }))
+}
 
 /// Force over time.
 fn force_curve(forces: &Forces) -> Curve {
@@ -33,7 +88,8 @@ pub fn force_picture(found: &[Forces], title: &str) -> String {
 }
 
 /// The page that `force` prints.
-pub fn forces(found: &[Forces], problems: &[String]) -> String {
+pub fn forces(page: &ForcePage) -> String {
+    let found = &page.channels;
     let heading =
         ["", "sensor", "sensitivity", "tau", "largest force", "U95", "at", "U95 of noise"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
@@ -77,7 +133,9 @@ pub fn forces(found: &[Forces], problems: &[String]) -> String {
     }));
     let gains = found.iter().filter_map(|channel| channel.sensor.gain_note());
     lines.extend(gains.map(|note| format!("  note  {note}")));
-    lines.extend(problems.iter().map(|problem| format!("  note  {problem}")));
+    lines.extend(
+        page.problems.iter().chain(&page.notes).map(|problem| format!("  note  {problem}")),
+    );
     if let Some(first) = found.first() {
         lines.push(String::new());
         lines.extend(braille(&force_curve(first)));

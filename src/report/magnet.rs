@@ -1,5 +1,7 @@
 //! A magnet's force over distance as a page of text and as a curve.
 
+use serde::{Serialize, Serializer};
+
 use super::plot::{Curve, Label, braille};
 use super::table;
 use crate::magnet::{ForceLaw, Magnet};
@@ -11,17 +13,22 @@ const CURVE_POINTS: u32 = 600;
 const ZERO_CELSIUS: f64 = 273.15;
 
 /// Force and field of the magnet at one distance.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MagnetPoint {
     /// From the face to the sphere's centre (m).
+    #[serde(rename = "distance_m")]
     pub distance: f64,
     /// Attraction (N).
+    #[serde(rename = "force_n")]
     pub force: f64,
     /// Its change with distance (N/m).
+    #[serde(rename = "slope_n_per_m")]
     pub slope: f64,
     /// Flux density on the axis, of a ring (T).
+    #[serde(rename = "field_t")]
     pub field: Option<f64>,
     /// Its change along the axis, of a ring (T/m).
+    #[serde(rename = "gradient_t_per_m")]
     pub gradient: Option<f64>,
     /// How far the sphere is magnetised, of a ring; 1 is saturated (1).
     pub saturation: Option<f64>,
@@ -57,6 +64,35 @@ impl MagnetPoint {
             gradient: ring.map(|(field, z, _)| field.gradient(z)),
             saturation: ring.map(|(field, z, sphere)| field.saturation(z, sphere)),
         })
+    }
+}
+
+impl Serialize for MagnetPage {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct Points {
+            distance_m: Vec<f64>,
+            force_n: Vec<f64>,
+        }
+        #[derive(Serialize)]
+        struct Fields<'a> {
+            magnet: &'a str,
+            source: &'a str,
+            temperature_k: f64,
+            wanted_n: Option<f64>,
+            places: &'a [MagnetPoint],
+            curve: Points,
+        }
+        let (distance_m, force_n) = self.curve().points.into_iter().unzip();
+        Fields {
+            magnet: &self.magnet.name,
+            source: &self.magnet.source,
+            temperature_k: self.temperature,
+            wanted_n: self.wanted,
+            places: &self.places,
+            curve: Points { distance_m, force_n },
+        }
+        .serialize(serializer)
     }
 }
 

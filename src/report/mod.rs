@@ -16,6 +16,7 @@ mod effects;
 mod fit;
 mod forces;
 mod hard_cases;
+mod json;
 pub mod magnet;
 mod number;
 #[cfg(feature = "png")]
@@ -44,19 +45,19 @@ pub use chart::chart;
 pub use comparison::{comparison, comparison_facts, comparison_parts};
 pub use contents::{contents, contents_after, contents_before, contents_of};
 pub use dark::on_dark;
-pub use dispersion::{bands, bands_curve};
 pub use effects::{effects, effects_svg};
 pub use fit::{blind, fit, fit_parts};
-pub use forces::{force_picture, forces};
+pub use forces::{ForcePage, force_picture, forces};
 pub use hard_cases::{hard_cases, hard_cases_svg};
+pub use json::{ResultError, check_finite, to_json};
 pub use paper::{PaperPicture, paper, paper_parts, paper_pictures};
 #[cfg(feature = "png")]
 pub use png::{PngError, png};
 pub use screen::{ScreenTheme, screen};
-pub use statistics::{statistics, statistics_csv};
+pub use statistics::{statistics, statistics_table};
 pub use summary::summary;
 pub use sweep::{gathering, sweep};
-pub use tunability::{transmitted, tunability, tunability_svg};
+pub use tunability::{TunabilityPage, transmitted, tunability, tunability_svg};
 pub use uncertainty::{
     bands_picture, normalised_error_lines, prediction_intervals, shot_picture, uncertainty_budget,
 };

@@ -1,11 +1,15 @@
 //! A time-frequency map as characters and as a picture: time to the right, frequency upward, 60 dB
 //! from the highest to nothing.
 
+use serde::{Serialize, Serializer};
+
 use super::chart;
 use super::plot;
 use super::sheet::{Axis, Plot, ShadedMap};
+use super::spectrum::band_edges;
 use crate::analysis::dispersion::DiatomicChain;
-use crate::analysis::time_frequency::Spectrogram;
+use crate::analysis::spectrum::{Convention, Window};
+use crate::analysis::time_frequency::{Pieces, Spectrogram};
 use crate::quantity::engineering;
 
 /// Range of the shades below the highest amplitude (dB).
@@ -30,6 +34,50 @@ pub struct SpectrogramPage {
     pub chain: Option<DiatomicChain>,
     /// Highest frequency that is shown (Hz).
     pub highest: f64,
+    /// How the record was cut.
+    pub pieces: Pieces,
+    /// Notes for the reader.
+    pub notes: Vec<String>,
+}
+
+impl Serialize for SpectrogramPage {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct Fields<'a> {
+            signal: &'a str,
+            unit: Option<&'a str>,
+            convention: Option<Convention>,
+            window: Option<Window>,
+            segment_samples: usize,
+            hop_samples: usize,
+            step_hz: Option<f64>,
+            resolution_hz: Option<f64>,
+            #[serde(flatten, serialize_with = "band_edges")]
+            chain: Option<DiatomicChain>,
+            notes: &'a [String],
+            times_s: &'a [f64],
+            ridge_hz: Vec<Option<f64>>,
+            amplitude: Vec<&'a [f64]>,
+        }
+        let map = &self.map;
+        let first = map.columns.first();
+        Fields {
+            signal: &self.title,
+            unit: first.map(|column| column.unit.as_str()),
+            convention: first.map(|column| column.convention),
+            window: first.map(|column| column.window),
+            segment_samples: self.pieces.segment,
+            hop_samples: self.pieces.hop,
+            step_hz: first.map(|column| column.step),
+            resolution_hz: first.map(|column| column.resolution),
+            chain: self.chain,
+            notes: &self.notes,
+            times_s: &map.times,
+            ridge_hz: map.ridge(0.0, f64::INFINITY),
+            amplitude: map.columns.iter().map(|column| column.amplitude.as_slice()).collect(),
+        }
+        .serialize(serializer)
+    }
 }
 
 impl SpectrogramPage {
@@ -113,6 +161,7 @@ pub fn text(page: &SpectrogramPage) -> String {
         "  each shade {:.0} dB, nothing is {DYNAMIC_RANGE:.0} dB below the highest",
         DYNAMIC_RANGE / SHADES.len() as f64
     ));
+    lines.extend(page.notes.iter().map(|note| format!("  note  {note}")));
     lines.join("\n")
 }
 

@@ -1,5 +1,7 @@
 //! A spectrum as a page of text and as a curve.
 
+use serde::{Serialize, Serializer};
+
 use super::plot::{Curve, Label, braille};
 use super::table;
 use crate::analysis::dispersion::DiatomicChain;
@@ -14,15 +16,18 @@ const SHOWN_SHARE: f64 = 0.01;
 const BAND_MARGIN: f64 = 1.5;
 
 /// A spectrum with what is known about the chain it comes from.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SpectrumPage {
     /// The name of the transformed signal.
+    #[serde(rename = "signal")]
     pub title: String,
     /// Its spectrum.
+    #[serde(flatten)]
     pub spectrum: Spectrum,
     /// The maxima to list.
-    pub peaks: Vec<SpectralPeak>,
-    /// The chain around the sensor, where the recording tells.
+    pub peaks: Vec<ListedPeak>,
+    /// The chain around the sensor, if the recording has a scene.
+    #[serde(flatten, serialize_with = "band_edges")]
     pub chain: Option<DiatomicChain>,
     /// The offset subtracted from every sample (unit).
     pub offset: f64,
@@ -30,8 +35,52 @@ pub struct SpectrumPage {
     pub notes: Vec<String>,
 }
 
+/// A maximum of a spectrum.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ListedPeak {
+    /// Frequency (Hz).
+    pub frequency_hz: f64,
+    /// Its standard uncertainty (Hz).
+    pub u_hz: f64,
+    /// Its expanded uncertainty for 95 % (Hz).
+    #[serde(rename = "U95_hz")]
+    pub expanded_hz: f64,
+    /// Amplitude (unit).
+    pub amplitude: f64,
+    /// The chain's band that it lies in.
+    pub band: Option<&'static str>,
+}
+
+impl ListedPeak {
+    /// `peak` with its band in `chain`.
+    pub fn new(peak: &SpectralPeak, chain: Option<&DiatomicChain>) -> Self {
+        let frequency = peak.uncertain();
+        Self {
+            frequency_hz: peak.frequency,
+            u_hz: frequency.u,
+            expanded_hz: frequency.expanded(),
+            amplitude: peak.amplitude,
+            band: chain.map(|chain| band(chain, peak.frequency)),
+        }
+    }
+}
+
+/// The chain's band edges (Hz) as fields `f1_hz` to `f3_hz`, null without a chain.
+#[allow(clippy::ref_option, reason = "the signature that serde calls")]
+pub(super) fn band_edges<S: Serializer>(
+    chain: &Option<DiatomicChain>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    let edges: [(_, fn(&DiatomicChain) -> f64); 3] = [
+        ("f1_hz", DiatomicChain::gap_bottom),
+        ("f2_hz", DiatomicChain::gap_top),
+        ("f3_hz", DiatomicChain::cutoff),
+    ];
+    serializer.collect_map(edges.map(|(name, edge)| (name, chain.as_ref().map(edge))))
+}
+
 /// Which band of `chain` a frequency (Hz) lies in.
-pub fn band(chain: &DiatomicChain, frequency: f64) -> &'static str {
+fn band(chain: &DiatomicChain, frequency: f64) -> &'static str {
     if !chain.has_gap() {
         if frequency <= chain.cutoff() { "pass band" } else { "above the cut-off" }
     } else if frequency <= chain.gap_bottom() {
@@ -115,11 +164,11 @@ impl SpectrumPage {
         let mut rows = vec![heading];
         rows.extend(self.peaks.iter().map(|peak| {
             let mut row = vec![
-                engineering(peak.frequency, "Hz", 4),
-                engineering(peak.uncertain().expanded(), "Hz", 2),
+                engineering(peak.frequency_hz, "Hz", 4),
+                engineering(peak.expanded_hz, "Hz", 2),
                 engineering(peak.amplitude, unit, 3),
             ];
-            row.extend(self.chain.map(|chain| band(&chain, peak.frequency).to_owned()));
+            row.extend(peak.band.map(str::to_owned));
             row
         }));
         table::lines(&rows, &[3])

@@ -1,11 +1,13 @@
 //! A transfer function with its coherence as a page of text and as a picture.
 
+use serde::{Serialize, Serializer};
+
 use super::chart::{Under, charts_over};
 use super::plot::{Curve, Label, braille};
-use super::spectrum::band_marks;
+use super::spectrum::{band_edges, band_marks};
 use super::table;
 use crate::analysis::dispersion::DiatomicChain;
-use crate::analysis::transfer::TransferFunction;
+use crate::analysis::transfer::{TransferBin, TransferFunction};
 use crate::quantity::coverage::NORMAL_95;
 use crate::quantity::engineering;
 
@@ -33,15 +35,78 @@ pub struct TransferPage {
     pub notes: Vec<String>,
 }
 
+/// The transfer function in one band of frequencies.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BandRow {
+    /// Name of the band.
+    pub name: &'static str,
+    /// Lower edge (Hz).
+    pub from_hz: f64,
+    /// Upper edge (Hz).
+    pub to_hz: f64,
+    /// Share of the input's power (1).
+    pub input_share: f64,
+    /// Gain `|H|` (1).
+    pub gain: f64,
+    /// The same in decibels; `None` for a gain of zero (dB).
+    pub gain_db: Option<f64>,
+    /// Coherence (1).
+    pub coherence: f64,
+}
+
+impl Serialize for TransferPage {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct Fields<'a> {
+            signals: &'a str,
+            shots: usize,
+            segments: usize,
+            samples: usize,
+            window: &'a str,
+            step_hz: f64,
+            chance_coherence: f64,
+            bands: Vec<BandRow>,
+            gain: Vec<f64>,
+            gain_u: Vec<Option<f64>>,
+            phase_rad: Vec<f64>,
+            coherence: Vec<f64>,
+            notes: &'a [String],
+            #[serde(flatten, serialize_with = "band_edges")]
+            chain: Option<DiatomicChain>,
+        }
+        let found = &self.found;
+        let column = |of: fn(&TransferBin) -> f64| found.bins.iter().map(of).collect();
+        // Without any coherence the gain is unknown.
+        let gain_u = found.bins.iter().map(|bin| Some(bin.gain_u).filter(|u| *u < f64::INFINITY));
+        Fields {
+            signals: &self.title,
+            shots: self.shots,
+            segments: found.segments,
+            samples: found.length,
+            window: &self.window,
+            step_hz: found.step,
+            chance_coherence: found.chance_coherence(),
+            bands: self.rows(),
+            gain: column(|bin| bin.gain),
+            gain_u: gain_u.collect(),
+            phase_rad: column(|bin| bin.phase),
+            coherence: column(|bin| bin.coherence),
+            notes: &self.notes,
+            chain: self.chain,
+        }
+        .serialize(serializer)
+    }
+}
+
 /// `|H|` on a logarithmic scale (dB).
-pub fn decibels(gain: f64) -> f64 {
+fn decibels(gain: f64) -> f64 {
     20.0 * gain.log10()
 }
 
 impl TransferPage {
     /// Bands of the chain with their names and edges (Hz); one, up to the highest that is drawn,
     /// where the chain is not known.
-    pub fn bands(&self) -> Vec<(&'static str, [f64; 2])> {
+    fn bands(&self) -> Vec<(&'static str, [f64; 2])> {
         match &self.chain {
             Some(chain) => {
                 let (f1, f2, f3) = (chain.gap_bottom(), chain.gap_top(), chain.cutoff());
@@ -56,6 +121,22 @@ impl TransferPage {
             }
             None => vec![("up to 20 kHz", [0.0, SHOWN_FREQUENCY])],
         }
+    }
+
+    fn rows(&self) -> Vec<BandRow> {
+        let row = |(name, [low, high]): (&'static str, [f64; 2])| {
+            let band = self.found.between(low, high)?;
+            Some(BandRow {
+                name,
+                from_hz: low,
+                to_hz: high,
+                input_share: band.input_share,
+                gain: band.gain,
+                gain_db: (band.gain != 0.0).then(|| decibels(band.gain)),
+                coherence: band.coherence,
+            })
+        };
+        self.bands().into_iter().filter_map(row).collect()
     }
 
     fn curve(&self, y: Label, of: &dyn Fn(usize) -> f64) -> Curve {
@@ -119,17 +200,16 @@ impl TransferPage {
         ];
         let mut rows =
             vec![["", "from", "to", "input power", "|H|", "coherence"].map(str::to_owned).to_vec()];
-        for (name, [low, high]) in self.bands() {
-            let Some(band) = found.between(low, high) else { continue };
-            rows.push(vec![
-                name.to_owned(),
-                hertz(low),
-                hertz(high),
+        rows.extend(self.rows().into_iter().map(|band| {
+            vec![
+                band.name.to_owned(),
+                hertz(band.from_hz),
+                hertz(band.to_hz),
                 format!("{:.1} %", 100.0 * band.input_share),
-                format!("{:.1} dB", decibels(band.gain)),
+                band.gain_db.map_or("-".to_owned(), |gain| format!("{gain:.1} dB")),
                 format!("{:.3}", band.coherence),
-            ]);
-        }
+            ]
+        }));
         lines.extend(table::lines(&rows, &[0]));
         lines.push(String::new());
         lines.extend(braille(&self.gain_curve(0.0)));

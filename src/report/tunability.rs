@@ -1,7 +1,10 @@
 //! Maps of what a chain lets pass over a knob: shades and numbers for a terminal, sheets for a
 //! picture.
 
+use serde::{Serialize, Serializer};
+
 use super::sheet::{Axis, COLOURS, Plot, Polyline, ShadedMap, Sheet, Stroke, sheet_svg};
+use super::spectrum::band_edges;
 use super::table;
 use crate::analysis::dispersion::DiatomicChain;
 use crate::quantity::engineering;
@@ -41,6 +44,56 @@ pub fn transmitted(point: &TunedPoint, rows: usize) -> Vec<f64> {
         .into_iter()
         .map(|amplitude| (20.0 * (amplitude / top).log10()).max(-DYNAMIC_RANGE))
         .collect()
+}
+
+/// Bands of frequency in JSON, each 500 Hz wide.
+const BANDS: usize = 40;
+
+/// Page of `tunability`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TunabilityPage {
+    /// Name of the scene.
+    pub scene: String,
+    /// Title of the page.
+    #[serde(skip)]
+    pub title: String,
+    /// Each parameter over its range.
+    #[serde(rename = "knobs", serialize_with = "knobs")]
+    pub tunings: Vec<Tuning>,
+}
+
+fn knobs<S: Serializer>(tunings: &[Tuning], serializer: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Point {
+        value: f64,
+        #[serde(flatten, serialize_with = "band_edges")]
+        chain: Option<DiatomicChain>,
+        long_wave_speed_m_per_s: Option<f64>,
+        pulse_speed_m_per_s: Option<f64>,
+        first_peak_ratio: Option<f64>,
+        transmitted_db_per_500_hz: Vec<f64>,
+    }
+    #[derive(Serialize)]
+    struct Knob {
+        knob: &'static str,
+        unit: &'static str,
+        now: f64,
+        points: Vec<Point>,
+    }
+    let point = |point: &TunedPoint| Point {
+        value: point.value,
+        chain: point.chain,
+        long_wave_speed_m_per_s: point.chain.map(|chain| chain.sound_speed()),
+        pulse_speed_m_per_s: point.pulse_speed,
+        first_peak_ratio: point.transmission,
+        transmitted_db_per_500_hz: transmitted(point, BANDS),
+    };
+    serializer.collect_seq(tunings.iter().map(|tuning| Knob {
+        knob: tuning.knob.name(),
+        unit: tuning.knob.unit(),
+        now: tuning.now,
+        points: tuning.points.iter().map(point).collect(),
+    }))
 }
 
 fn shares(point: &TunedPoint, rows: usize) -> Vec<f64> {

@@ -14,6 +14,7 @@ use hertzscope::scene::Scene;
 use hertzscope::studies::paper::{
     ClaimFinding, ClaimVerdict, Figure, ForceLocation, PaperStudy, study,
 };
+use hertzscope::table::Cell;
 use serde_json::Value;
 
 use ClaimVerdict::{Agrees, AgreesUnder, DoesNotHold};
@@ -346,13 +347,13 @@ fn pictures_show_what_they_say_and_their_data_are_theirs() {
             assert!(picture.svg.contains(word), "{stem}: {word}");
         }
     }
-    let (name, csv) = &picture("figure-08").data[0];
+    let (name, data) = &picture("figure-08").data[0];
     assert_eq!(name, "figure-08-forces.csv");
-    let mut rows = csv.lines();
-    assert_eq!(rows.next(), Some("time_s,p2_n,p14_n,p27_n,wall_n"));
-    let p14 = rows.map(|row| row.split(',').nth(2).expect("p14").parse::<f64>().expect("a force"));
-    let p14: Vec<f64> = p14.collect();
-    assert_eq!(p14, figure(8).signals[1].trace.values);
+    let names: Vec<&str> = data.columns.iter().map(|column| column.name.as_str()).collect();
+    assert_eq!(names, ["time_s", "p2_n", "p14_n", "p27_n", "wall_n"]);
+    let p14: Vec<Cell> = data.rows.iter().map(|row| row[2].clone()).collect();
+    let expected = figure(8).signals[1].trace.values.iter().map(|force| Cell::Number(*force));
+    assert!(p14.iter().cloned().eq(expected));
     let points = picture("tables-1-2");
     assert_eq!(
         points.svg.matches("<circle").count(),

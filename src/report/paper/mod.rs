@@ -1,4 +1,4 @@
-//! The paper, computed: its figures as sheets, their data as CSV, the verdicts as a table and as a
+//! The paper, computed: its figures as sheets, their data as tables, the verdicts as a table and as a
 //! report.
 
 mod data;
@@ -9,6 +9,7 @@ pub use words::{paper, paper_parts};
 
 use super::sheet::sheet_svg;
 use crate::studies::paper::{Arrangement, Figure, ForceSignal, PaperStudy};
+use crate::table::Table;
 
 /// A picture of the study: file stem, caption, SVG.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,8 +20,8 @@ pub struct PaperPicture {
     pub caption: String,
     /// The picture.
     pub svg: String,
-    /// Its data: file name and CSV.
-    pub data: Vec<(String, String)>,
+    /// Its data: file names and tables.
+    pub data: Vec<(String, Table)>,
 }
 
 /// All pictures of a study.

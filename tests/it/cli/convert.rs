@@ -57,6 +57,48 @@ fn recordings_folders_and_files_become_one_another() {
     assert_eq!(printed(path, &["convert", "-q", "run.mcap", "quiet"]), "");
 }
 
+/// B3 of the readers: names with a comma moved forces between columns. The CSV is read by the
+/// crate `csv`, the JSON lines by `serde_json`; the expected forces are the recording's.
+#[test]
+fn a_sensors_name_with_comma_quote_or_line_end_keeps_its_column() {
+    let folder = temporary();
+    let path = folder.path();
+    let names = ["a,b", "say \"hi\"", "two\nlines"];
+    let sensor = |(name, particle): (&str, u32)| {
+        let name = serde_json::Value::from(name);
+        format!("[sensors.{name}]\nmodel = \"pzt-5a-710pf\"\nparticle = {particle}\n")
+    };
+    let sensors: String = names.into_iter().zip([5, 9, 12]).map(sensor).collect();
+    std::fs::write(path.join("odd.toml"), format!("base = \"magnet-0.61g\"\n{sensors}"))
+        .expect("a scene");
+    printed(path, &[&["run", "-q", "-o", "odd.mcap", "odd.toml"][..], &QUICK].concat());
+    for file in ["odd.csv", "odd.jsonl"] {
+        printed(path, &["convert", "-q", "--truth", "odd.mcap", file]);
+    }
+    let mut csv = csv::Reader::from_path(path.join("odd.csv")).expect("a table");
+    let head: Vec<String> = csv.headers().expect("a head").iter().map(str::to_owned).collect();
+    let json = std::fs::read_to_string(path.join("odd.jsonl")).expect("a table");
+    let set = open(&path.join("odd.mcap")).expect("a recording");
+    let shot = &set.shots[0];
+    let trigger = shot.trigger_time.expect("a trigger");
+    let rows: Vec<csv::StringRecord> = csv.records().map(|row| row.expect("a row")).collect();
+    assert_eq!((rows.len(), json.lines().count()), (2500, 2500));
+    for name in names {
+        let column = format!("truth_{name}_N");
+        let place = head.iter().position(|head| *head == column).expect(&column);
+        let signal = hertzscope::recording::TrueSignal::Force(name.to_owned());
+        let truth = shot.true_signal(&signal).expect(name);
+        for (row, line) in rows.iter().zip(json.lines()).step_by(97) {
+            let object: Value = serde_json::from_str(line).expect("JSON");
+            let [time, force] = [0, place].map(|at| row[at].parse::<f64>().expect("a number"));
+            let index = ((time + trigger - truth.start) / truth.interval).round() as usize;
+            let expected = truth.values[index];
+            assert!((force - expected).abs() < 1e-6 * (1.0 + expected.abs()), "{name} at {time} s");
+            assert_eq!(object[&column].as_f64(), Some(force), "{name} at {time} s");
+        }
+    }
+}
+
 /// The levels in the files are the levels in the recording.
 #[test]
 fn nothing_is_lost_between_formats() {
