@@ -7,7 +7,6 @@ use super::picture::PlotArguments;
 use crate::analysis::dispersion::DiatomicChain;
 use crate::measurement::metadata;
 use crate::quantity::{Dimension, parse};
-use crate::report;
 use crate::report::dispersion::{BandsPage, PressedChain};
 use crate::scene::{Scene, Site};
 
@@ -78,6 +77,6 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         preload: now,
         bands: rows.into_iter().map(|(force, chain)| PressedChain::new(force, chain)).collect(),
     };
-    arguments.plot.save(&page, || report::chart(&page.curve(), &page.title()))?;
+    arguments.plot.save(&page, || page.picture())?;
     super::show(&page, arguments.json, BandsPage::text)
 }

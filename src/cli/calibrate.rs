@@ -17,6 +17,7 @@ use crate::recording::mcap;
 use crate::report::calibration::page;
 use crate::report::calibration_design::design_page;
 use crate::report::certificate::{certificate, pictures};
+use crate::report::plot::{Theme, svg};
 use crate::report::{check_finite, to_json};
 use crate::scene::plan::{self, CalibrationPlan, lab};
 use crate::studies::momentum_test::coverage::{Coverage, coverage};
@@ -196,6 +197,8 @@ fn write(folder: &Path, found: &Calibrated) -> anyhow::Result<()> {
     ];
     let write = || {
         let new = NewFolder::replace(folder)?;
+        let pictures =
+            pictures.iter().map(|(name, sheet)| (name.clone(), svg(sheet, Theme::Light)));
         for (name, text) in files.into_iter().chain(pictures) {
             files::write(&new.join(name), text)?;
         }

@@ -22,6 +22,7 @@ use crate::recording::format::{Format, open_shot};
 use crate::recording::{TraceSet, mcap};
 use crate::report;
 use crate::report::document::{Part, html, markdown};
+use crate::report::plot::{Theme, svg};
 use crate::scene::Scene;
 use crate::studies::uncertainty::{NormalisedError, judge, normalised_errors};
 
@@ -205,15 +206,19 @@ pub fn write_document(
         _ => markdown(&parts),
     };
     let pictures = parts.iter().filter_map(|part| match part {
-        Part::Picture(name, _, svg) => Some((file.with_file_name(name), svg.as_str())),
+        Part::Picture(name, _, sheet) => {
+            Some((file.with_file_name(name), svg(sheet, Theme::Light)))
+        }
         _ => None,
     });
-    let mut all: Vec<(PathBuf, &str)> = pictures.collect();
+    let mut all: Vec<(PathBuf, String)> = pictures.collect();
     if ending(file, &["html"]).is_ok() {
         all.clear();
     }
     // The page last: it names the pictures.
-    all.push((file.to_owned(), &page));
+    all.push((file.to_owned(), page));
+    let all: Vec<(PathBuf, &str)> =
+        all.iter().map(|(file, text)| (file.clone(), text.as_str())).collect();
     files::write_together(&all)
         .map_err(|(file, error)| anyhow!(error).context(file.display().to_string()))
 }

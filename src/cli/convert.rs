@@ -15,7 +15,8 @@ use crate::recording::mcap::RecordingWriter;
 use crate::recording::mcap::indexed_recording::IndexedRecording;
 use crate::recording::tek_csv::TekCsvError;
 use crate::recording::{Capture, InstrumentIdentity, Shot, TraceSet, isf, mcap, tek_csv};
-use crate::report::{self, ScreenTheme};
+use crate::report;
+use crate::report::plot::Theme;
 use crate::scene::oscilloscope;
 use crate::scope::{Model, Source};
 use crate::screen::{PictureFormat, draw, file};
@@ -210,7 +211,7 @@ fn convert(arguments: &Arguments, mut set: TraceSet) -> anyhow::Result<()> {
         Some("csv") => csv_file(&set, output)?,
         Some("isf") => isf_file(&set, output)?,
         Some("svg" | "png") => {
-            let theme = if arguments.light { ScreenTheme::Light } else { ScreenTheme::Dark };
+            let theme = if arguments.light { Theme::Light } else { Theme::Dark };
             draw_screen(&set, output, theme)?;
             vec![output.clone()]
         }
@@ -260,12 +261,12 @@ fn screen(set: &TraceSet, path: &Path, format: PictureFormat) -> anyhow::Result<
 }
 
 /// The screen at the first shot that has captures, as a drawing.
-fn draw_screen(set: &TraceSet, file: &Path, theme: ScreenTheme) -> anyhow::Result<()> {
+fn draw_screen(set: &TraceSet, file: &Path, theme: Theme) -> anyhow::Result<()> {
     let shot = first_shot(set)?;
     let facts = set.metadata.get("hertzscope:recording");
     let file_name = set.attachments.first().map(|attachment| &attachment.name);
     let title = facts.and_then(|facts| facts.get("title")).or(file_name).map_or("", String::as_str);
-    picture::save(file, &report::screen(shot, title, theme))
+    picture::save(file, &report::screen(shot, title), theme)
 }
 
 /// The single capture of a set.

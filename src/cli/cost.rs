@@ -51,7 +51,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     progress.done();
     let found = found.map_err(|error| anyhow!("{}: no reference: {error}", scene.name))?;
     let work = if arguments.evaluations { WorkMeasure::Evaluations } else { WorkMeasure::Time };
-    arguments.plot.save(&found, || report::work_precision_svg(&found, work))?;
+    arguments.plot.save(&found, || report::work_precision_picture(&found, work))?;
     if let Some(file) = &arguments.record {
         record(file, &scene, &found)?;
     }

@@ -64,7 +64,7 @@ fn percent(text: &str) -> Result<f64, String> {
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     arguments.plot.check()?;
     let page = page(arguments)?;
-    arguments.plot.save(&page, || page.svg())?;
+    arguments.plot.save(&page, || page.picture())?;
     super::show(&page, arguments.json, DispersionPage::text)
 }
 

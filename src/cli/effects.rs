@@ -42,6 +42,6 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let found = ledger(&scene, accuracy, &mut |share| progress.at(share));
     progress.done();
     let found = found?;
-    arguments.plot.save(&found.entries, || report::effects_svg(&found))?;
+    arguments.plot.save(&found.entries, || report::effects_picture(&found))?;
     super::show(&found.entries, arguments.json, |_| report::effects(&found, arguments.why))
 }

@@ -30,7 +30,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<bool> {
     let mut progress = JobProgress::new("hard cases", arguments.quiet);
     let findings = run_all(&mut |share| progress.at(share));
     progress.done();
-    arguments.plot.save(&findings, || report::hard_cases_svg(&findings))?;
+    arguments.plot.save(&findings, || report::hard_cases_picture(&findings))?;
     super::show(&findings, arguments.json, |found| report::hard_cases(found, arguments.why))?;
     Ok(findings.iter().all(|finding| finding.verdict != CaseVerdict::Wrong))
 }

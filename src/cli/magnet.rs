@@ -6,7 +6,6 @@ use clap::Args;
 
 use super::picture::PlotArguments;
 use crate::quantity::{Dimension, parse};
-use crate::report;
 use crate::report::magnet::{MagnetPage, MagnetPoint};
 use crate::scene::magnets;
 
@@ -70,6 +69,6 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         bail!("found a distance of {distance} m, expected one within the table, {near} to {far} m");
     }
     let page = MagnetPage { magnet, temperature, wanted, places };
-    arguments.plot.save(&page, || report::chart(&page.curve(), &page.magnet.name))?;
+    arguments.plot.save(&page, || page.picture())?;
     super::show(&page, arguments.json, MagnetPage::text)
 }

@@ -12,6 +12,7 @@ use crate::files::{self, NewFolder};
 use crate::recording::mcap::RecordingWriter;
 use crate::report;
 use crate::report::document::{html, markdown};
+use crate::report::plot::{Theme, svg};
 use crate::studies::paper::{FIGURES, FigureRun, PaperStudy, study};
 use crate::table;
 
@@ -67,9 +68,10 @@ fn write(folder: &NewFolder, study: &PaperStudy) -> anyhow::Result<()> {
     };
     let pictures = report::paper_pictures(study);
     for drawn in &pictures {
-        save(&format!("{}.svg", drawn.stem), &drawn.svg)?;
+        save(&format!("{}.svg", drawn.stem), &svg(&drawn.sheet, Theme::Light))?;
         if cfg!(feature = "png") {
-            picture::save(&folder.join(format!("{}.png", drawn.stem)), &drawn.svg)?;
+            let file = folder.join(format!("{}.png", drawn.stem));
+            picture::save(&file, &drawn.sheet, Theme::Light)?;
         }
         for (name, data) in &drawn.data {
             table::write(&folder.join(name), data)?;

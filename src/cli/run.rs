@@ -154,7 +154,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let title = format!("{}: {}", scene.name, scene.title);
     arguments.plot.save(&found, || match &found.uncertainty {
         Some(predicted) => report::bands_picture(&predicted.bands, &title),
-        None => first.map_or_else(String::new, |shot| report::shot_picture(&shot, &title)),
+        None => report::shot_picture(first.as_ref(), &title),
     })?;
     if arguments.json || !arguments.quiet {
         return super::show(&found, arguments.json, RunResult::text);

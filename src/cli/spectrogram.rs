@@ -7,7 +7,7 @@ use super::signal::{SignalArguments, WindowChoice, time};
 use crate::analysis::spectrum::{Analyser, SpectrumSettings};
 use crate::analysis::time_frequency::{Pieces, Spectrogram};
 use crate::measurement::metadata;
-use crate::report::spectrogram::{SpectrogramPage, svg, text};
+use crate::report::spectrogram::SpectrogramPage;
 
 /// Without a highest frequency or band edges, the map ends at this share of half the sampling
 /// frequency (1).
@@ -63,6 +63,6 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let title = arguments.signal.title(&trace);
     let notes = arguments.signal.clipped(&set).into_iter().collect();
     let page = SpectrogramPage { title, map, chain, highest, pieces, notes };
-    arguments.plot.save(&page, || svg(&page))?;
-    super::show(&page, arguments.json, text)
+    arguments.plot.save(&page, || page.picture())?;
+    super::show(&page, arguments.json, SpectrogramPage::text)
 }

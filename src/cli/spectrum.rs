@@ -8,7 +8,6 @@ use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::spectrum::{Analyser, Convention, SpectrumSettings};
 use crate::measurement::metadata;
 use crate::recording::TraceSet;
-use crate::report;
 use crate::report::spectrum::{ListedPeak, SpectrumPage};
 use crate::scene::Site;
 
@@ -67,7 +66,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let peaks = peaks.iter().map(|peak| ListedPeak::new(peak, chain.as_ref())).collect();
     let title = arguments.signal.title(&trace);
     let page = SpectrumPage { title, spectrum, peaks, chain, offset, notes };
-    arguments.plot.save(&page, || report::chart(&page.curve(), &page.title))?;
+    arguments.plot.save(&page, || page.picture())?;
     super::show(&page, arguments.json, SpectrumPage::text)
 }
 

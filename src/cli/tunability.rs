@@ -68,6 +68,6 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let found = found?;
     let title = format!("{}: {}", scene.name, scene.title);
     let page = TunabilityPage { scene: scene.name, title, tunings: found };
-    arguments.plot.save(&page, || report::tunability_svg(&page.title, &page.tunings))?;
+    arguments.plot.save(&page, || report::tunability_picture(&page.title, &page.tunings))?;
     super::show(&page, arguments.json, |page| report::tunability(&page.title, &page.tunings))
 }

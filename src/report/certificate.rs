@@ -1,9 +1,8 @@
 //! A calibration's certificate, contents as in ISO/IEC 17025, 7.8, and pictures of its impacts.
 
 use super::calibration::{budget_rows, exclusions, impact_rows, or_not_stated, results};
-use super::chart::{Under, chart, chart_over};
 use super::document::{Part, html, markdown};
-use super::plot::{Curve, Label};
+use super::plot::{Plot, Series, Sheet, trace_points};
 use crate::analysis::calibration::{Calibration, ImpactResult};
 use crate::measurement::calibration::CalibrationReport;
 use crate::measurement::calibration::words::ImpactReport;
@@ -15,7 +14,7 @@ const ZERO_CELSIUS: f64 = 273.15;
 /// A certificate: contents as in ISO/IEC 17025, 7.8.
 struct Certificate<'a> {
     report: &'a CalibrationReport,
-    pictures: &'a [(String, String)],
+    pictures: &'a [(String, Sheet)],
 }
 
 impl Certificate<'_> {
@@ -63,8 +62,8 @@ impl Certificate<'_> {
             ]
         });
         parts.push(table(std::iter::once(head.map(str::to_owned).to_vec()).chain(rows).collect()));
-        for (number, (file, svg)) in (1..).zip(self.pictures) {
-            parts.push(Part::Picture(file.clone(), format!("Impact {number}"), svg.clone()));
+        for (number, (file, sheet)) in (1..).zip(self.pictures) {
+            parts.push(Part::Picture(file.clone(), format!("Impact {number}"), sheet.clone()));
         }
         parts
     }
@@ -109,40 +108,31 @@ impl Certificate<'_> {
 }
 
 /// The certificate as Markdown and as HTML; `pictures` are file names and contents, one an impact.
-pub fn certificate(report: &CalibrationReport, pictures: &[(String, String)]) -> (String, String) {
+pub fn certificate(report: &CalibrationReport, pictures: &[(String, Sheet)]) -> (String, String) {
     let parts = Certificate { report, pictures }.parts();
     (markdown(&parts), html(&report.title, &parts))
 }
 
 /// Pictures of all impacts: the force, and under it what the voltage alone would say; file names
 /// and contents.
-pub fn pictures(found: &Calibration, report: &CalibrationReport) -> Vec<(String, String)> {
+pub fn pictures(found: &Calibration, report: &CalibrationReport) -> Vec<(String, Sheet)> {
     let picture = |(result, told): (&ImpactResult, &ImpactReport)| {
         let name = format!("impact-{}.svg", told.number);
         let why = told.excluded.as_ref().map_or(String::new(), |why| format!(" (left out: {why})"));
         let title = format!("Impact {}, {}{why}", told.number, told.striker);
         let Some(impact) = &result.impact else {
-            let empty = Curve {
-                points: vec![],
-                marks: vec![],
-                x: Label::new("", ""),
-                y: Label::new("not readable", ""),
-            };
-            return (name, chart(&empty, &title));
+            let empty = Plot::fitted(["", ""], ["not readable", ""], Vec::new());
+            return (name, Sheet::stack(title, vec![empty]));
         };
         let points = |trace: &crate::trace::Trace| -> Vec<(f64, f64)> {
-            let values = trace.values.iter().enumerate();
-            values.map(|(i, v)| (trace.time(i), v / found.sensitivity)).collect()
+            let newtons = |(time, volts)| (time, volts / found.sensitivity);
+            trace_points(trace).into_iter().map(newtons).collect()
         };
         let [from, to] = impact.window;
-        let curve = Curve {
-            points: points(&impact.restored),
-            marks: vec![(from, "from".to_owned()), (to, "to".to_owned())],
-            x: Label::new("time after the trigger", "s"),
-            y: Label::new("force", "N"),
-        };
-        let under = Under::new("voltage over S", vec![points(&impact.signal)]);
-        (name, chart_over(&curve, &[under], &title))
+        let behind = Series::behind("voltage over S", points(&impact.signal));
+        let plot = Plot::over_time(["force", "N"], points(&impact.restored), vec![behind])
+            .with_marks(vec![(from, "from".to_owned()), (to, "to".to_owned())]);
+        (name, Sheet::stack(title, vec![plot]))
     };
     found.impacts.iter().zip(&report.impacts).map(picture).collect()
 }

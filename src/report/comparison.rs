@@ -2,15 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use super::chart::{Under, chart, chart_over};
 use super::document::Part;
-use super::plot::{Curve, Label};
+use super::plot::{Plot, Series, Sheet, trace_points};
 use super::table;
 use crate::measurement::compare::mapping::ASSUMED;
 use crate::measurement::compare::{ChannelScore, Compared, Comparison};
 use crate::quantity::coverage::NORMAL_95;
 use crate::quantity::{Uncertain, engineering};
-use crate::trace::Trace;
 
 fn signed(value: f64, unit: &str, digits: usize) -> String {
     let sign = if value >= 0.0 { "+" } else { "" };
@@ -148,16 +146,6 @@ pub fn comparison(comparison: &Comparison) -> String {
     lines.join("\n")
 }
 
-fn curve(trace: &Trace, name: &str) -> Curve {
-    let points = trace.values.iter().enumerate().map(|(i, v)| (trace.time(i), *v)).collect();
-    Curve {
-        points,
-        marks: Vec::new(),
-        x: Label::new("time after the trigger", "s"),
-        y: Label::new(name, "V"),
-    }
-}
-
 /// The comparison as a document; pictures are called `<stem>-CH1.svg` and
 /// `<stem>-CH1-difference.svg`.
 pub fn comparison_parts(compared: &Compared, stem: &str) -> Vec<Part> {
@@ -178,12 +166,14 @@ pub fn comparison_parts(compared: &Compared, stem: &str) -> Vec<Part> {
     }
     for (score, pair) in comparison.channels.iter().zip(&compared.pairs) {
         let name = &score.name;
-        let under: Vec<(f64, f64)> = curve(&pair.simulated, "").points;
         let title = format!("{name}: measured and simulated");
-        let under = Under::new("simulated", vec![under]);
-        let both = chart_over(&curve(&pair.measured, "voltage"), &[under], &title);
-        let residual = curve(&pair.residual(), "measured minus simulated");
-        let apart = chart(&residual, &format!("{name}: difference"));
+        let simulated = Series::behind("simulated", trace_points(&pair.simulated));
+        let measured = trace_points(&pair.measured);
+        let both = Plot::over_time(["voltage", "V"], measured, vec![simulated]);
+        let both = Sheet::stack(title.as_str(), vec![both]);
+        let residual = trace_points(&pair.residual());
+        let apart = Plot::over_time(["measured minus simulated", "V"], residual, Vec::new());
+        let apart = Sheet::stack(format!("{name}: difference"), vec![apart]);
         parts.push(Part::Heading(2, name.clone()));
         parts.push(Part::Picture(format!("{stem}-{name}.svg"), title, both));
         let shown = format!("{name}: measured minus simulated");

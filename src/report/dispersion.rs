@@ -5,9 +5,9 @@ use std::f64::consts::PI;
 
 use serde::{Serialize, Serializer};
 
-use super::plot::{Curve, Label, PointSet, braille, scatter};
+use super::plot::{Plot, Series, Sheet, Stroke, terminal};
 use super::spectrum::band_edges;
-use super::{chart, table};
+use super::table;
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::wavenumber::{SpectralLine, SpectralLines};
 use crate::quantity::engineering;
@@ -97,20 +97,22 @@ impl DispersionPage {
         if off(&branches[0]) <= off(&branches[1]) { branches[0] } else { branches[1] }
     }
 
-    fn clouds(&self) -> [PointSet<'static>; 2] {
-        let of = |onward: bool| {
+    /// The branches with the waves found on them.
+    pub fn plot(&self) -> Plot {
+        let waves = |name: &str, onward: bool, colour| {
             let lines = self.found.lines.iter().filter(|line| line.onward == onward);
-            lines.map(|line| (line.phase, line.frequency)).collect()
+            let points = lines.map(|line| (line.phase, line.frequency)).collect();
+            Series::new(name, points, colour, Stroke::Dots)
         };
-        [
-            PointSet { points: of(true), name: "travelling forward", colour: "#c04020" },
-            PointSet { points: of(false), name: "travelling backward", colour: "#208040" },
-        ]
+        let mut lines: Vec<Series> = self.branches().map(Series::main).into();
+        lines.push(waves("travelling forward", true, "#c04020"));
+        lines.push(waves("travelling backward", false, "#208040"));
+        Plot::fitted(["phase per cell, k a", "rad"], ["frequency", "Hz"], lines)
     }
 
     /// The picture.
-    pub fn svg(&self) -> String {
-        chart::chart_with_points(&self.branches(), &self.clouds(), &self.title, &labels())
+    pub fn picture(&self) -> Sheet {
+        Sheet::stack(self.title.as_str(), vec![self.plot()])
     }
 
     /// The page.
@@ -153,7 +155,7 @@ impl DispersionPage {
         }));
         page.extend(table::lines(&rows, &[5]));
         page.push(String::new());
-        page.extend(scatter(&self.branches(), &self.clouds(), &labels()));
+        page.extend(terminal(&self.plot()));
         page.push(
             "  note        on the optical branch phase and energy travel in opposite directions"
                 .to_owned(),
@@ -161,10 +163,6 @@ impl DispersionPage {
         page.push("  note        theory is that of small signals; a wave as strong as the preload stiffens the contacts and runs above it".to_owned());
         page.join("\n")
     }
-}
-
-fn labels() -> [Label; 2] {
-    [Label::new("phase per cell, k a", "rad"), Label::new("frequency", "Hz")]
 }
 
 /// The linear chain under one preload.
@@ -211,54 +209,52 @@ impl BandsPage {
         format!("{}, around particle {}", self.scene, self.particle)
     }
 
-    /// The picture's curve.
-    pub fn curve(&self) -> Curve {
-        bands_curve(&self.chains(), self.preload)
+    /// The gap's lower edge over the preload, or without a gap the cut-off.
+    pub fn plot(&self) -> Plot {
+        let rows = self.chains();
+        let has_gap = rows.iter().all(|(_, chain)| chain.has_gap());
+        let edge =
+            |chain: &DiatomicChain| if has_gap { chain.gap_bottom() } else { chain.cutoff() };
+        let name = if has_gap {
+            "f1, the gap's lower edge; f2 and f3 are in proportion"
+        } else {
+            "f3, the cut-off; equal particles leave no gap"
+        };
+        let points = rows.iter().map(|(force, chain)| (*force, edge(chain))).collect();
+        let now = format!("the scene's preload: {}", engineering(self.preload, "N", 4));
+        Plot::fitted(["preload", "N"], [name, "Hz"], vec![Series::main(points)])
+            .with_marks(vec![(self.preload, now)])
+    }
+
+    /// The picture.
+    pub fn picture(&self) -> Sheet {
+        Sheet::stack(self.title(), vec![self.plot()])
     }
 
     /// The page as text.
     pub fn text(&self) -> String {
-        bands(&self.title(), &self.chains(), self.preload)
+        let hertz = |f: f64| engineering(f, "Hz", 4);
+        let gap_edge = |chain: &DiatomicChain, edge| {
+            if chain.has_gap() { hertz(edge) } else { "-".to_owned() }
+        };
+        let heading = ["preload", "f1, gap from", "f2, gap to", "f3, cutoff", "long waves", ""];
+        let mut lines = vec![heading.map(str::to_owned).to_vec()];
+        let now = self.preload;
+        lines.extend(self.chains().iter().map(|(force, chain)| {
+            let is_now = (*force - now).abs() <= f64::EPSILON * now;
+            vec![
+                engineering(*force, "N", 4),
+                gap_edge(chain, chain.gap_bottom()),
+                gap_edge(chain, chain.gap_top()),
+                hertz(chain.cutoff()),
+                engineering(chain.sound_speed(), "m/s", 4),
+                if is_now { "the scene's preload" } else { "" }.to_owned(),
+            ]
+        }));
+        let mut page = vec![self.title()];
+        page.extend(table::lines(&lines, &[5]));
+        page.push(String::new());
+        page.extend(terminal(&self.plot()));
+        page.join("\n")
     }
-}
-
-/// The gap's lower edge over the preload, or without a gap the cut-off.
-fn bands_curve(rows: &[(f64, DiatomicChain)], now: f64) -> Curve {
-    let has_gap = rows.iter().all(|(_, chain)| chain.has_gap());
-    let edge = |chain: &DiatomicChain| if has_gap { chain.gap_bottom() } else { chain.cutoff() };
-    let name = if has_gap {
-        "f1, the gap's lower edge; f2 and f3 are in proportion"
-    } else {
-        "f3, the cut-off; equal particles leave no gap"
-    };
-    Curve {
-        points: rows.iter().map(|(force, chain)| (*force, edge(chain))).collect(),
-        marks: vec![(now, "the scene's preload".to_owned())],
-        x: Label::new("preload", "N"),
-        y: Label::new(name, "Hz"),
-    }
-}
-
-fn bands(title: &str, rows: &[(f64, DiatomicChain)], now: f64) -> String {
-    let hertz = |f: f64| engineering(f, "Hz", 4);
-    let gap_edge =
-        |chain: &DiatomicChain, edge| if chain.has_gap() { hertz(edge) } else { "-".to_owned() };
-    let heading = ["preload", "f1, gap from", "f2, gap to", "f3, cutoff", "long waves", ""];
-    let mut lines = vec![heading.map(str::to_owned).to_vec()];
-    lines.extend(rows.iter().map(|(force, chain)| {
-        vec![
-            engineering(*force, "N", 4),
-            gap_edge(chain, chain.gap_bottom()),
-            gap_edge(chain, chain.gap_top()),
-            hertz(chain.cutoff()),
-            engineering(chain.sound_speed(), "m/s", 4),
-            if (*force - now).abs() <= f64::EPSILON * now { "the scene's preload" } else { "" }
-                .to_owned(),
-        ]
-    }));
-    let mut page = vec![title.to_owned()];
-    page.extend(table::lines(&lines, &[5]));
-    page.push(String::new());
-    page.extend(braille(&bands_curve(rows, now)));
-    page.join("\n")
 }

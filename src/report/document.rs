@@ -4,6 +4,7 @@
 use std::fmt::Write as _;
 
 use super::escape;
+use super::plot::{Sheet, Theme, svg};
 use crate::quantity::printable_line;
 
 /// A part of a document.
@@ -17,8 +18,8 @@ pub enum Part {
     List(Vec<String>),
     /// A table whose first row is its heading.
     Table(Vec<Vec<String>>),
-    /// A picture: file name, what it shows, the SVG.
-    Picture(String, String, String),
+    /// A picture: file name, what it shows, its content.
+    Picture(String, String, Sheet),
 }
 
 /// `parts` as Markdown; pictures are files beside it.
@@ -101,12 +102,9 @@ pub fn html(title: &str, parts: &[Part]) -> String {
                 let lines: String = rows.iter().enumerate().map(line).collect();
                 writeln!(body, "<table>\n{lines}</table>")
             }
-            Part::Picture(_, shown, svg) => {
-                writeln!(
-                    body,
-                    "<figure>\n{svg}<figcaption>{}</figcaption>\n</figure>",
-                    escape(shown)
-                )
+            Part::Picture(_, shown, sheet) => {
+                let (svg, shown) = (svg(sheet, Theme::Light), escape(shown));
+                writeln!(body, "<figure>\n{svg}<figcaption>{shown}</figcaption>\n</figure>")
             }
         };
     }

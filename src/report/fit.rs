@@ -1,9 +1,8 @@
 //! A fit as a page of text and as a document with pictures; blind fits as a page.
 
-use super::chart::{Under, chart, chart_over};
 use super::document::Part;
 use super::number::{decimals, plus_minus};
-use super::plot::{Curve, Label};
+use super::plot::{Plot, Series, Sheet};
 use super::table;
 use crate::fit::blind::BlindFits;
 use crate::fit::{ChannelResult, Fit, FitReport, Nuisance, Parameter};
@@ -143,26 +142,22 @@ pub fn fit_parts(fit: &Fit, stem: &str) -> Vec<Part> {
     let axis = fit.records.axis;
     for (record, shown) in fit.records.list.iter().zip(&fit.shown) {
         let name = &record.name;
-        let curve = |values: &mut dyn Iterator<Item = f64>, name: &str| Curve {
-            points: values
-                .enumerate()
-                .map(|(i, v)| (axis.start + i as f64 * axis.interval, v))
-                .collect(),
-            marks: Vec::new(),
-            x: Label::new("time after the trigger", "s"),
-            y: Label::new(name, "V"),
+        let points = |values: &mut dyn Iterator<Item = f64>| -> Vec<(f64, f64)> {
+            let time = |index: usize| axis.start + index as f64 * axis.interval;
+            values.enumerate().map(|(index, volts)| (time(index), volts)).collect()
         };
-        let measured = curve(&mut record.volts.iter().copied(), "voltage");
-        let under = curve(&mut shown.iter().copied(), "").points;
+        let title = format!("{name}: measured and fitted");
+        let fitted = Series::behind("fitted", points(&mut shown.iter().copied()));
+        let measured = points(&mut record.volts.iter().copied());
+        let both = Plot::over_time(["voltage", "V"], measured, vec![fitted]);
+        let both = Sheet::stack(title.as_str(), vec![both]);
         let left = record.volts.iter().zip(shown).zip(&record.counts);
         let mut left = left.map(|((m, s), counts)| if *counts { m - s } else { 0.0 });
-        let residual = curve(&mut left, "measured less fitted");
-        let title = format!("{name}: measured and fitted");
-        let both = chart_over(&measured, &[Under::new("fitted", vec![under])], &title);
-        let apart = chart(&residual, &format!("{name}: residual"));
+        let apart = Plot::over_time(["measured minus fitted", "V"], points(&mut left), Vec::new());
+        let apart = Sheet::stack(format!("{name}: residual"), vec![apart]);
         parts.push(Part::Heading(2, name.clone()));
         parts.push(Part::Picture(format!("{stem}-{name}.svg"), title, both));
-        let what = format!("{name}: measured less fitted");
+        let what = format!("{name}: measured minus fitted");
         parts.push(Part::Picture(format!("{stem}-{name}-residual.svg"), what, apart));
     }
     parts.push(Part::Heading(2, "Notes".to_owned()));

@@ -2,8 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
-use super::chart::{Under, charts_over};
-use super::plot::{Curve, Label, braille};
+use super::plot::{Plot, Series, Sheet, terminal, trace_points};
 use super::table;
 use crate::measurement::arrivals::sensitivities_unknown;
 use crate::measurement::force::Forces;
@@ -63,28 +62,21 @@ fn channels<S: Serializer>(found: &[Forces], serializer: S) -> Result<S::Ok, S::
     }))
 }
 
-/// Force over time.
-fn force_curve(forces: &Forces) -> Curve {
-    let values = forces.force.values.iter().enumerate();
-    Curve {
-        points: values.map(|(i, force)| (forces.force.time(i), *force)).collect(),
-        marks: Vec::new(),
-        x: Label::new("time after the trigger", "s"),
-        y: Label::new(&format!("force at {}", forces.force.name), "N"),
-    }
+/// Force of a channel over time, with its expanded uncertainty.
+fn force_plot(forces: &Forces) -> Plot {
+    let force = trace_points(&forces.force);
+    let edge = |sign: f64| -> Vec<(f64, f64)> {
+        let samples = force.iter().zip(&forces.expanded);
+        samples.map(|((time, force), u)| (*time, force + sign * u)).collect()
+    };
+    let area = Series::area("95 %", &edge(-1.0), &edge(1.0));
+    let name = format!("force at {}", forces.force.name);
+    Plot::over_time([&name, "N"], force, vec![area])
 }
 
 /// Forces of all channels with their expanded uncertainties, as a picture.
-pub fn force_picture(found: &[Forces], title: &str) -> String {
-    let panel = |forces: &Forces| {
-        let samples = || forces.force.values.iter().zip(&forces.expanded).enumerate();
-        let edge = |sign: f64| {
-            samples().map(move |(i, (force, u))| (forces.force.time(i), force + sign * u))
-        };
-        let edges = [-1.0, 1.0].map(|sign| edge(sign).collect()).to_vec();
-        (force_curve(forces), vec![Under::new("95 %", edges)])
-    };
-    charts_over(&found.iter().map(panel).collect::<Vec<_>>(), title)
+pub fn force_picture(found: &[Forces], title: &str) -> Sheet {
+    Sheet::stack(title, found.iter().map(force_plot).collect())
 }
 
 /// The page that `force` prints.
@@ -138,7 +130,7 @@ pub fn forces(page: &ForcePage) -> String {
     );
     if let Some(first) = found.first() {
         lines.push(String::new());
-        lines.extend(braille(&force_curve(first)));
+        lines.extend(terminal(&force_plot(first)));
     }
     lines.join("\n")
 }

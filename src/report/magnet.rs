@@ -2,7 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
-use super::plot::{Curve, Label, braille};
+use super::plot::{Plot, Series, Sheet, terminal};
 use super::table;
 use crate::magnet::{ForceLaw, Magnet};
 use crate::quantity::engineering;
@@ -83,7 +83,7 @@ impl Serialize for MagnetPage {
             places: &'a [MagnetPoint],
             curve: Points,
         }
-        let (distance_m, force_n) = self.curve().points.into_iter().unzip();
+        let (distance_m, force_n) = self.points().into_iter().unzip();
         Fields {
             magnet: &self.magnet.name,
             source: &self.magnet.source,
@@ -97,19 +97,29 @@ impl Serialize for MagnetPage {
 }
 
 impl MagnetPage {
-    /// Force over distance, with the places marked.
-    pub fn curve(&self) -> Curve {
+    fn points(&self) -> Vec<(f64, f64)> {
         let [near, far] = self.magnet.span();
         let place = |i: u32| near + (far - near) * f64::from(i) / f64::from(CURVE_POINTS);
         let point =
             |distance: f64| Some((distance, self.magnet.force(distance, self.temperature)?));
-        let mark = |place: &MagnetPoint| (place.distance, engineering(place.force, "N", 4));
-        Curve {
-            points: (0..=CURVE_POINTS).map(place).filter_map(point).collect(),
-            marks: self.places.iter().map(mark).collect(),
-            x: Label::new("from the face to the sphere's centre", "m"),
-            y: Label::new("attraction", "N"),
-        }
+        (0..=CURVE_POINTS).map(place).filter_map(point).collect()
+    }
+
+    /// Force over distance, with the places marked.
+    pub fn plot(&self) -> Plot {
+        let mark = |place: &MagnetPoint| {
+            let [force, distance] = [(place.force, "N"), (place.distance, "m")]
+                .map(|(value, unit)| engineering(value, unit, 4));
+            (place.distance, format!("{force} at {distance}"))
+        };
+        let x = ["from the face to the sphere's centre", "m"];
+        Plot::fitted(x, ["attraction", "N"], vec![Series::main(self.points())])
+            .with_marks(self.places.iter().map(mark).collect())
+    }
+
+    /// The picture.
+    pub fn picture(&self) -> Sheet {
+        Sheet::stack(self.magnet.name.as_str(), vec![self.plot()])
     }
 
     /// The page that `magnet` prints.
@@ -127,7 +137,7 @@ impl MagnetPage {
             lines.extend(self.place_lines());
         }
         lines.push(String::new());
-        lines.extend(braille(&self.curve()));
+        lines.extend(terminal(&self.plot()));
         lines.join("\n")
     }
 

@@ -2,7 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
-use super::plot::{Curve, Label, braille};
+use super::plot::{Plot, Series, Sheet, terminal};
 use super::table;
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::spectrum::SpectralPeak;
@@ -94,7 +94,7 @@ fn band(chain: &DiatomicChain, frequency: f64) -> &'static str {
     }
 }
 
-/// The band edges of `chain` as marks of a curve over frequency.
+/// The band edges of `chain` as marks of a plot over frequency.
 pub(super) fn band_marks(chain: &DiatomicChain) -> Vec<(f64, String)> {
     let named = |(name, frequency): (&str, f64)| {
         let what = match name {
@@ -103,14 +103,14 @@ pub(super) fn band_marks(chain: &DiatomicChain) -> Vec<(f64, String)> {
             _ if chain.has_gap() => "f3, top of the optical branch",
             _ => "f3, the cut-off",
         };
-        (frequency, what.to_owned())
+        (frequency, format!("{what}: {}", engineering(frequency, "Hz", 4)))
     };
     chain.edges().into_iter().map(named).collect()
 }
 
 impl SpectrumPage {
     /// The spectrum from zero to where little is left, with the band edges marked.
-    pub fn curve(&self) -> Curve {
+    pub fn plot(&self) -> Plot {
         let spectrum = &self.spectrum;
         let top = spectrum.amplitude.iter().copied().fold(0.0, f64::max);
         let last = spectrum.amplitude.iter().rposition(|a| *a >= SHOWN_SHARE * top).unwrap_or(0);
@@ -120,12 +120,15 @@ impl SpectrumPage {
         };
         let points = spectrum.amplitude.iter().enumerate();
         let points = points.map(|(bin, a)| (spectrum.frequency(bin), *a));
-        Curve {
-            points: points.take_while(|(f, _)| *f <= end.max(2.0 * spectrum.step)).collect(),
-            marks: self.chain.iter().flat_map(band_marks).collect(),
-            x: Label::new("frequency", "Hz"),
-            y: Label::new(&spectrum.convention.to_string(), &spectrum.unit),
-        }
+        let points = points.take_while(|(f, _)| *f <= end.max(2.0 * spectrum.step)).collect();
+        let y = spectrum.convention.to_string();
+        Plot::fitted(["frequency", "Hz"], [&y, &spectrum.unit], vec![Series::main(points)])
+            .with_marks(self.chain.iter().flat_map(band_marks).collect())
+    }
+
+    /// The picture.
+    pub fn picture(&self) -> Sheet {
+        Sheet::stack(self.title.as_str(), vec![self.plot()])
     }
 
     /// The page that `spectrum` prints.
@@ -152,7 +155,7 @@ impl SpectrumPage {
         lines.push(String::new());
         lines.extend(self.peak_lines());
         lines.push(String::new());
-        lines.extend(braille(&self.curve()));
+        lines.extend(terminal(&self.plot()));
         lines.extend(self.notes.iter().map(|note| format!("  note        {note}")));
         lines.join("\n")
     }

@@ -1,7 +1,14 @@
 //! Plain tables: columns as wide as their widest cell, numbers to the right.
 
+use unicode_width::UnicodeWidthStr;
+
 /// Widest column: longer cells stand out of it, and make nothing else wider (characters).
 const WIDEST: usize = 60;
+
+/// Columns that `text` takes on a terminal.
+pub(super) fn width(text: &str) -> usize {
+    UnicodeWidthStr::width(text)
+}
 
 /// Lines of a table whose first row is its heading. Columns named in `left` are flush left.
 pub fn lines(rows: &[Vec<String>], left: &[usize]) -> Vec<String> {
@@ -13,16 +20,17 @@ pub fn lines_apart(rows: &[Vec<String>], left: &[usize], gap: &str) -> Vec<Strin
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |column: usize| {
         let cells = rows.iter().filter_map(|row| row.get(column));
-        cells.map(|c| c.chars().count()).filter(|width| *width <= WIDEST).max().unwrap_or(0)
+        cells.map(|cell| self::width(cell)).filter(|width| *width <= WIDEST).max().unwrap_or(0)
     };
     let widths: Vec<usize> = (0..columns).map(width).collect();
     let line = |row: &Vec<String>| {
         let cells = row.iter().zip(&widths).enumerate();
         let padded = cells.map(|(column, (cell, width))| {
+            let padding = " ".repeat(width.saturating_sub(self::width(cell)));
             if left.contains(&column) {
-                format!("{cell:<width$}")
+                format!("{cell}{padding}")
             } else {
-                format!("{cell:>width$}")
+                format!("{padding}{cell}")
             }
         });
         format!("  {}", padded.collect::<Vec<_>>().join(gap).trim_end())

@@ -2,8 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
-use super::chart::{Under, charts_over};
-use super::plot::{Curve, Label, braille};
+use super::plot::{Plot, Series, Sheet, terminal};
 use super::spectrum::{band_edges, band_marks};
 use super::table;
 use crate::analysis::dispersion::DiatomicChain;
@@ -139,42 +138,43 @@ impl TransferPage {
         self.bands().into_iter().filter_map(row).collect()
     }
 
-    fn curve(&self, y: Label, of: &dyn Fn(usize) -> f64) -> Curve {
+    /// Points of the bins that are shown, by a function of the bin.
+    fn points(&self, of: &dyn Fn(&TransferBin) -> f64) -> Vec<(f64, f64)> {
         let end = self.chain.map_or(SHOWN_FREQUENCY, |chain| BAND_MARGIN * chain.cutoff());
-        // The mean of each segment is taken out.
-        let bins = self.found.bins.iter().enumerate().skip(1);
-        let bins = bins.take_while(|(_, bin)| bin.frequency <= end);
-        Curve {
-            points: bins.map(|(index, bin)| (bin.frequency, of(index))).collect(),
-            marks: self.chain.iter().flat_map(band_marks).collect(),
-            x: Label::new("frequency", "Hz"),
-            y,
-        }
+        // The mean of each segment is subtracted: the first bin is empty.
+        let bins = self.found.bins.iter().skip(1).take_while(|bin| bin.frequency <= end);
+        bins.map(|bin| (bin.frequency, of(bin))).collect()
     }
 
-    fn gain_curve(&self, deviations: f64) -> Curve {
-        let gain = |index: usize| {
-            let bin = &self.found.bins[index];
-            decibels((bin.gain + deviations * NORMAL_95 * bin.gain_u).max(0.0)).max(LOWEST_GAIN)
-        };
-        self.curve(Label::new("gain |H|", "dB"), &|index| gain(index).min(-LOWEST_GAIN))
+    /// The gain (dB), `deviations` expanded uncertainties above, within what is drawn.
+    fn gain(&self, deviations: f64) -> Vec<(f64, f64)> {
+        self.points(&|bin| {
+            let gain = bin.gain + deviations * NORMAL_95 * bin.gain_u;
+            decibels(gain.max(0.0)).clamp(LOWEST_GAIN, -LOWEST_GAIN)
+        })
     }
 
-    fn coherence_curve(&self) -> Curve {
-        self.curve(Label::new("coherence", ""), &|index| self.found.bins[index].coherence)
-    }
-
-    /// Gain with its expanded uncertainty and coherence over frequency, the gap's edges marked.
-    pub fn picture(&self) -> String {
-        let around = [-1.0, 1.0].map(|sign| self.gain_curve(sign).points).to_vec();
-        let coherence = self.coherence_curve();
-        let ends = coherence.points.first().zip(coherence.points.last());
+    /// Gain with its expanded uncertainty, and coherence, over frequency, the gap's edges marked.
+    fn plots(&self) -> [Plot; 2] {
+        let coherence = self.points(&|bin| bin.coherence);
+        let ends = coherence.first().zip(coherence.last());
         let limit = self.found.chance_coherence();
         let name = format!("5 % of unrelated signals are above {limit:.2}");
         let line = ends.map_or(Vec::new(), |(first, last)| vec![(first.0, limit), (last.0, limit)]);
-        let around = vec![Under::new("95 %", around)];
-        let limit = vec![Under::new(&name, vec![line])];
-        charts_over(&[(self.gain_curve(0.0), around), (coherence, limit)], &self.title)
+        let around = Series::area("95 %", &self.gain(-1.0), &self.gain(1.0));
+        [
+            (["gain |H|", "dB"], around, self.gain(0.0)),
+            (["coherence", ""], Series::behind(&name, line), coherence),
+        ]
+        .map(|(y, behind, points)| {
+            Plot::fitted(["frequency", "Hz"], y, vec![behind, Series::main(points)])
+                .with_marks(self.chain.iter().flat_map(band_marks).collect())
+        })
+    }
+
+    /// The picture.
+    pub fn picture(&self) -> Sheet {
+        Sheet::stack(self.title.as_str(), self.plots().to_vec())
     }
 
     /// The page that `transfer` prints.
@@ -212,9 +212,10 @@ impl TransferPage {
         }));
         lines.extend(table::lines(&rows, &[0]));
         lines.push(String::new());
-        lines.extend(braille(&self.gain_curve(0.0)));
+        let [gain, coherence] = self.plots();
+        lines.extend(terminal(&gain));
         lines.push(String::new());
-        lines.extend(braille(&self.coherence_curve()));
+        lines.extend(terminal(&coherence));
         lines.extend(self.notes.iter().map(|note| format!("  note        {note}")));
         lines.join("\n")
     }

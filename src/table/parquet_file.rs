@@ -11,7 +11,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::Type;
 
-use super::{Cell, Column, ColumnKind, TableError};
+use super::cell::{Cell, Column, ColumnKind, TableError};
 use crate::files::NewFile;
 
 /// Rows that are kept in memory and written together.

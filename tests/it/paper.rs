@@ -10,6 +10,7 @@ use std::sync::LazyLock;
 
 use hertzscope::experiment::paper_speeds::speeds;
 use hertzscope::report;
+use hertzscope::report::plot::{Series, Theme, svg};
 use hertzscope::scene::Scene;
 use hertzscope::studies::paper::{
     ClaimFinding, ClaimVerdict, Figure, ForceLocation, PaperStudy, study,
@@ -340,11 +341,13 @@ fn pictures_show_what_they_say_and_their_data_are_theirs() {
         ),
         ("viscosity", 4, ["0 N s/m: 10.5 kHz", "2 N s/m: 15.2 kHz", "time (ms)", "N/div"]),
     ] {
-        let picture = picture(stem);
-        // Lines of data; the grid's are grey.
-        assert_eq!(picture.svg.matches("stroke-linejoin").count(), lines, "{stem}");
+        let sheet = &picture(stem).sheet;
+        // Lines of data.
+        let drawn: Vec<&Series> = sheet.panels.iter().flat_map(|panel| &panel.lines).collect();
+        assert_eq!(drawn.len(), lines, "{stem}");
+        let svg = svg(sheet, Theme::Light);
         for word in words {
-            assert!(picture.svg.contains(word), "{stem}: {word}");
+            assert!(svg.contains(word), "{stem}: {word}");
         }
     }
     let (name, data) = &picture("figure-08").data[0];
@@ -356,7 +359,7 @@ fn pictures_show_what_they_say_and_their_data_are_theirs() {
     assert!(p14.iter().cloned().eq(expected));
     let points = picture("tables-1-2");
     assert_eq!(
-        points.svg.matches("<circle").count(),
+        svg(&points.sheet, Theme::Light).matches("<circle").count(),
         5 * 8 + 5,
         "five kinds of speeds and their legend"
     );

@@ -168,7 +168,7 @@ pub fn paper_parts(study: &PaperStudy, pictures: &[PaperPicture]) -> Vec<Part> {
     parts.push(Part::Heading(2, "Figures".to_owned()));
     for picture in pictures {
         let file = format!("{}.svg", picture.stem);
-        parts.push(Part::Picture(file, picture.caption.clone(), picture.svg.clone()));
+        parts.push(Part::Picture(file, picture.caption.clone(), picture.sheet.clone()));
     }
     parts
 }
