@@ -1,8 +1,9 @@
 //! `--accuracy`, as commands take it.
 
+use super::value::quantity;
 use crate::experiment::RunError;
 use crate::experiment::accuracy::{ChosenAccuracy, of_scene, of_scope};
-use crate::quantity::{Dimension, parse};
+use crate::quantity::Dimension;
 use crate::scene::{LOOSEST_ACCURACY, Scene, TIGHTEST_ACCURACY};
 
 /// Keyword for the accuracy derived from the scope, in scenes too.
@@ -40,15 +41,5 @@ impl AccuracyArguments {
 
 /// Reads an accuracy (1).
 pub fn accuracy(text: &str) -> Result<f64, String> {
-    share(text, [TIGHTEST_ACCURACY, LOOSEST_ACCURACY])
-}
-
-/// Reads a small number within limits (1).
-pub fn share(text: &str, [least, most]: [f64; 2]) -> Result<f64, String> {
-    let found = match parse(text, Dimension::NONE) {
-        Ok(value) if (least..=most).contains(&value) => return Ok(value),
-        Ok(_) => text.to_owned(),
-        Err(error) => error.to_string(),
-    };
-    Err(format!("found {found}, expected {least:e} to {most}"))
+    quantity(Dimension::NONE, TIGHTEST_ACCURACY..=LOOSEST_ACCURACY, "1e-3")(text)
 }

@@ -4,9 +4,10 @@ use anyhow::bail;
 use clap::Args;
 
 use super::picture::PlotArguments;
+use super::value::{ABOVE_ZERO, quantity};
 use crate::analysis::dispersion::DiatomicChain;
 use crate::measurement::metadata;
-use crate::quantity::{Dimension, parse};
+use crate::quantity::Dimension;
 use crate::report::dispersion::{BandsPage, PressedChain};
 use crate::scene::{Scene, Site};
 
@@ -23,24 +24,16 @@ pub struct Arguments {
     #[arg(long, value_name = "N")]
     particle: Option<usize>,
     /// Lowest preload
-    #[arg(long, value_name = "F", default_value = "0.1N", value_parser = force)]
+    #[arg(long, value_name = "F", default_value = "0.1N", value_parser = quantity(Dimension::FORCE, ABOVE_ZERO, "2.38N"))]
     from: f64,
     /// Highest preload
-    #[arg(long, value_name = "F", default_value = "100N", value_parser = force)]
+    #[arg(long, value_name = "F", default_value = "100N", value_parser = quantity(Dimension::FORCE, ABOVE_ZERO, "2.38N"))]
     to: f64,
     /// Print as JSON
     #[arg(long)]
     json: bool,
     #[command(flatten)]
     plot: PlotArguments,
-}
-
-fn force(text: &str) -> Result<f64, String> {
-    match parse(text, Dimension::FORCE) {
-        Ok(force) if force > 0.0 => Ok(force),
-        Ok(_) => Err(format!("found {text}, expected a force above zero")),
-        Err(error) => Err(format!("{error}, expected a force, e.g. 2.38N")),
-    }
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {

@@ -1,13 +1,13 @@
 //! `--method`, with a step or a tolerance of the user's own.
 
+use std::ops::RangeInclusive;
+
 use clap::ValueEnum;
 
-use super::accuracy::share;
 use crate::integrate::Method;
-use crate::quantity::{Dimension, parse};
 
 /// Tolerances that a step's error may be held to: below, rounding would be mistaken for it (1).
-const TOLERANCES: [f64; 2] = [1e-15, 0.1];
+pub const TOLERANCES: RangeInclusive<f64> = 1e-15..=0.1;
 
 /// Methods.
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -66,19 +66,4 @@ impl ByHand {
             )),
         }
     }
-}
-
-/// Reads a step (s).
-pub fn step(text: &str) -> Result<f64, String> {
-    let expected = "expected a time above zero, e.g. 50ns";
-    match parse(text, Dimension::TIME) {
-        Ok(value) if value > 0.0 => Ok(value),
-        Ok(_) => Err(format!("found {text}, {expected}")),
-        Err(error) => Err(format!("found {error}, {expected}")),
-    }
-}
-
-/// Reads the tolerated error of a step (1).
-pub fn tolerance(text: &str) -> Result<f64, String> {
-    share(text, TOLERANCES)
 }

@@ -6,20 +6,21 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 
 use super::AnswerIsNo;
+use super::accuracy::accuracy;
 use super::compare::write_document;
 use super::input::{Selection, TableArguments, assignment, shot};
 use super::overwrite::{OverwriteArguments, ending};
 use super::progress::JobProgress;
+use super::value::quantity;
 use crate::analysis::gate::Gate;
 use crate::files;
 use crate::fit::blind::blind;
 use crate::fit::{Fit, FitOptions, fit};
 use crate::measurement::compare::ComparedShot;
 use crate::measurement::compare::mapping::Assignment;
-use crate::quantity::{Dimension, parse, parse_any};
+use crate::quantity::{Dimension, parse_any};
 use crate::report;
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
-use crate::scene::{LOOSEST_ACCURACY, TIGHTEST_ACCURACY};
 
 /// Fit parameters of a scene to measured traces, with uncertainties: least squares, sensor and
 /// scope included
@@ -48,23 +49,23 @@ pub struct Arguments {
     gains: bool,
     /// Relative standard uncertainty of each channel's gain, e.g. 3%; 0 for exact ones
     /// [default: from the scope's and the sensor's files]
-    #[arg(long, value_name = "SHARE", value_parser = share)]
+    #[arg(long, value_name = "SHARE", value_parser = quantity(Dimension::NONE, 0.0..1.0, "10%"))]
     gain_u: Option<f64>,
     /// Take the zeros of the channels as exact: do not fit an offset for each
     #[arg(long)]
     no_offsets: bool,
     /// Ignore samples before this time after the trigger
-    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    #[arg(long, value_name = "T", value_parser = quantity(Dimension::TIME, .., "200us"), allow_hyphen_values = true)]
     from: Option<f64>,
     /// Ignore samples after this time after the trigger
-    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    #[arg(long, value_name = "T", value_parser = quantity(Dimension::TIME, .., "200us"), allow_hyphen_values = true)]
     to: Option<f64>,
     /// Number of starting points, the scene's values among them
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     starts: u32,
     /// Largest relative distance of starting points, or with --blind of true values, from the
     /// scene's values
-    #[arg(long, value_name = "SHARE", default_value = "10%", value_parser = share)]
+    #[arg(long, value_name = "SHARE", default_value = "10%", value_parser = quantity(Dimension::NONE, 0.0..1.0, "10%"))]
     spread: f64,
     /// Random seed of starting points and true values
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -93,25 +94,6 @@ pub struct Arguments {
     /// No progress bar
     #[arg(short, long)]
     quiet: bool,
-}
-
-fn time(text: &str) -> Result<f64, String> {
-    parse(text, Dimension::TIME).map_err(|error| format!("{error}, expected a time, e.g. 1ms"))
-}
-
-fn share(text: &str) -> Result<f64, String> {
-    match parse(text, Dimension::NONE) {
-        Ok(share) if (0.0..1.0).contains(&share) => Ok(share),
-        Ok(_) => Err(format!("found {text}, expected a share from 0 to below 1, e.g. 10%")),
-        Err(error) => Err(format!("{error}, expected a share, e.g. 10%")),
-    }
-}
-
-fn accuracy(text: &str) -> Result<f64, String> {
-    match parse(text, Dimension::NONE) {
-        Ok(value) if (TIGHTEST_ACCURACY..=LOOSEST_ACCURACY).contains(&value) => Ok(value),
-        _ => Err(format!("found {text}, expected {TIGHTEST_ACCURACY:e} to {LOOSEST_ACCURACY}")),
-    }
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {

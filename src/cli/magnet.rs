@@ -5,7 +5,8 @@ use anyhow::bail;
 use clap::Args;
 
 use super::picture::PlotArguments;
-use crate::quantity::{Dimension, parse};
+use super::value::{ABOVE_ZERO, quantity};
+use crate::quantity::Dimension;
 use crate::report::magnet::{MagnetPage, MagnetPoint};
 use crate::scene::magnets;
 
@@ -20,36 +21,19 @@ pub struct Arguments {
     name: String,
     /// Show the distances at which the magnet exerts this force, e.g. 2.38N
     /// [default: the paper's 2.38 N]
-    #[arg(long, value_name = "F", value_parser = force)]
+    #[arg(long, value_name = "F", value_parser = quantity(Dimension::FORCE, .., "2.38N"))]
     preload: Option<f64>,
     /// Show the force at this distance of the sphere's centre from the magnet's face, e.g. 0.4mm
-    #[arg(long, value_name = "D", value_parser = distance, conflicts_with = "preload", allow_hyphen_values = true)]
+    #[arg(long, value_name = "D", value_parser = quantity(Dimension::LENGTH, .., "0.4mm"), conflicts_with = "preload", allow_hyphen_values = true)]
     distance: Option<f64>,
     /// Temperature of the magnet, e.g. 40°C [default: the one its remanence is stated at]
-    #[arg(long, value_name = "T", value_parser = temperature)]
+    #[arg(long, value_name = "T", value_parser = quantity(Dimension::TEMPERATURE, ABOVE_ZERO, "40°C"))]
     temperature: Option<f64>,
     /// Print as JSON
     #[arg(long)]
     json: bool,
     #[command(flatten)]
     plot: PlotArguments,
-}
-
-fn force(text: &str) -> Result<f64, String> {
-    parse(text, Dimension::FORCE).map_err(|error| format!("{error}, expected a force, e.g. 2.38N"))
-}
-
-fn distance(text: &str) -> Result<f64, String> {
-    parse(text, Dimension::LENGTH)
-        .map_err(|error| format!("{error}, expected a length, e.g. 0.4mm"))
-}
-
-fn temperature(text: &str) -> Result<f64, String> {
-    match parse(text, Dimension::TEMPERATURE) {
-        Ok(kelvin) if kelvin > 0.0 => Ok(kelvin),
-        Ok(_) => Err(format!("found {text}, expected a temperature above absolute zero")),
-        Err(error) => Err(format!("{error}, expected a temperature, e.g. 40°C")),
-    }
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {

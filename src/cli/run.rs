@@ -8,9 +8,10 @@ use serde::{Serialize, Serializer};
 
 use super::accuracy::AccuracyArguments;
 use super::budget::DrawArguments;
-use super::by_hand::{ByHand, step, tolerance};
+use super::by_hand::{ByHand, TOLERANCES};
 use super::picture::PlotArguments;
 use super::progress::JobProgress;
+use super::value::{ABOVE_ZERO, quantity};
 use crate::experiment::accuracy::run_to_accuracy;
 use crate::experiment::auto_effects::resolve_auto_effects;
 use crate::experiment::by_hand::{advice, edge, run_by_hand};
@@ -18,6 +19,7 @@ use crate::experiment::outcome::Summary;
 use crate::experiment::{Integration, RunError, facts, first_attempt};
 use crate::measurement::arrivals::survey;
 use crate::measurement::statistics::{ShotStatistic, statistics};
+use crate::quantity::Dimension;
 use crate::recording::mcap::RecordingWriter;
 use crate::recording::{Shot, TraceSet};
 use crate::report;
@@ -45,11 +47,11 @@ pub struct Arguments {
     #[arg(long, value_enum)]
     method: Option<ByHand>,
     /// Step of --method, e.g. 50ns
-    #[arg(long, value_name = "T", value_parser = step, allow_hyphen_values = true, requires = "method", conflicts_with = "tolerance")]
+    #[arg(long, value_name = "T", value_parser = quantity(Dimension::TIME, ABOVE_ZERO, "50ns"), allow_hyphen_values = true, requires = "method", conflicts_with = "tolerance")]
     step: Option<f64>,
     /// Error allowed in each step of --method, relative to the largest change of overlap and the
     /// largest speed, e.g. 1e-8
-    #[arg(long, value_name = "X", value_parser = tolerance, allow_hyphen_values = true, requires = "method")]
+    #[arg(long, value_name = "X", value_parser = quantity(Dimension::NONE, TOLERANCES, "1e-8"), allow_hyphen_values = true, requires = "method")]
     tolerance: Option<f64>,
     /// Random seed of noise and sampling phase [default: the scene's]
     #[arg(long, value_name = "N")]

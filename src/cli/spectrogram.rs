@@ -3,10 +3,12 @@
 use clap::Args;
 
 use super::picture::PlotArguments;
-use super::signal::{SignalArguments, WindowChoice, time};
+use super::signal::{SignalArguments, WindowChoice};
+use super::value::quantity;
 use crate::analysis::spectrum::{Analyser, SpectrumSettings};
 use crate::analysis::time_frequency::{Pieces, Spectrogram};
 use crate::measurement::metadata;
+use crate::quantity::Dimension;
 use crate::report::spectrogram::SpectrogramPage;
 
 /// Without a highest frequency or band edges, the map ends at this share of half the sampling
@@ -22,10 +24,10 @@ pub struct Arguments {
     signal: SignalArguments,
     /// Length of a segment, e.g. 200us; the frequency resolution is 1/length
     /// [default: a sixteenth of the record, or what it takes to show the band gap]
-    #[arg(long, value_name = "T", value_parser = time)]
+    #[arg(long, value_name = "T", value_parser = quantity(Dimension::TIME, .., "200us"))]
     segment: Option<f64>,
-    /// Time from one segment to the next [default: a thirty-second part of a segment]
-    #[arg(long, value_name = "T", value_parser = time)]
+    /// Time from one segment to the next [default: 1/32 of a segment]
+    #[arg(long, value_name = "T", value_parser = quantity(Dimension::TIME, .., "200us"))]
     hop: Option<f64>,
     /// The window function of each segment
     #[arg(long, value_enum, default_value_t = WindowChoice::Hann)]

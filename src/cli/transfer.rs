@@ -7,10 +7,12 @@ use clap::Args;
 
 use super::input::ReadingArguments;
 use super::picture::PlotArguments;
-use super::signal::{WindowChoice, named, time};
+use super::signal::{WindowChoice, named};
 use super::spectrum::chain_at;
+use super::value::quantity;
 use crate::analysis::gate::Gate;
 use crate::analysis::transfer::{TransferSettings, transfer};
+use crate::quantity::Dimension;
 use crate::report::transfer::TransferPage;
 use crate::scope::Waveform;
 
@@ -34,10 +36,10 @@ pub struct Arguments {
     window: WindowChoice,
     /// Start, e.g. -200us: after the trigger, or for simulated signals after the striker's first
     /// contact
-    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    #[arg(long, value_name = "T", value_parser = quantity(Dimension::TIME, .., "200us"), allow_hyphen_values = true)]
     from: Option<f64>,
-    /// End
-    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    /// Stop at this time
+    #[arg(long, value_name = "T", value_parser = quantity(Dimension::TIME, .., "200us"), allow_hyphen_values = true)]
     to: Option<f64>,
     /// Print as JSON, all bins included
     #[arg(long)]

@@ -1,6 +1,7 @@
 //! `hertzscope tunability`: band edges, speeds and what arrives, over preload, masses, modulus and
 //! striker.
 
+use std::ops::Bound;
 use std::sync::Mutex;
 
 use anyhow::anyhow;
@@ -9,7 +10,8 @@ use clap::builder::PossibleValuesParser;
 
 use super::picture::PlotArguments;
 use super::progress::JobProgress;
-use crate::quantity::{Dimension, parse};
+use super::value::quantity;
+use crate::quantity::Dimension;
 use crate::report::{self, TunabilityPage};
 use crate::scene::Scene;
 use crate::studies::tunability::{TuningParameter, tune};
@@ -27,7 +29,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 33, value_parser = clap::value_parser!(u32).range(2..=1000))]
     points: u32,
     /// Vary each parameter from its value divided by this to its value times this
-    #[arg(long, value_name = "RATIO", default_value = "10", value_parser = span)]
+    #[arg(long, value_name = "RATIO", default_value = "10", value_parser = quantity(Dimension::NONE, (Bound::Excluded(1.0), Bound::Included(1000.0)), "10"))]
     span: f64,
     /// Print as JSON
     #[arg(long)]
@@ -37,14 +39,6 @@ pub struct Arguments {
     /// No progress bar
     #[arg(short, long)]
     quiet: bool,
-}
-
-fn span(text: &str) -> Result<f64, String> {
-    match parse(text, Dimension::NONE) {
-        Ok(ratio) if ratio > 1.0 && ratio <= 1000.0 => Ok(ratio),
-        Ok(_) => Err(format!("found {text}, expected a ratio above 1, 1000 at most")),
-        Err(error) => Err(format!("{error}, expected a ratio, e.g. 10")),
-    }
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {

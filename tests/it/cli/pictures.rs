@@ -78,8 +78,7 @@ fn runs_are_drawn_light_and_dark() {
     let folder = temporary();
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("an SVG");
     printed(folder.path(), &[&["run", "-q", "--plot", "light.svg"][..], &QUICK].concat());
-    let dark =
-        ["run", "-q", "--plot", "dark.svg", "--theme", "dark", "--bands", "--samples", "20"];
+    let dark = ["run", "-q", "--plot", "dark.svg", "--theme", "dark", "--bands", "--samples", "20"];
     printed(folder.path(), &dark);
     for (name, ground, other) in [
         ("light.svg", "fill=\"#ffffff\"", "fill=\"#101010\""),
