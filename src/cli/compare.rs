@@ -21,7 +21,7 @@ use crate::measurement::compare::{Align, Compared, ComparedShot, Comparison, com
 use crate::recording::format::{Format, open_shot};
 use crate::recording::{TraceSet, mcap};
 use crate::report;
-use crate::report::document::{Part, html, markdown};
+use crate::report::page::{self, Part, html, markdown};
 use crate::report::plot::{Theme, svg};
 use crate::scene::Scene;
 use crate::studies::uncertainty::{NormalisedError, judge, normalised_errors};
@@ -135,11 +135,11 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             let facts = report::comparison_facts(comparison);
             write_scores(file, &arguments.measured, &mut set, facts)?;
         } else {
-            write_document(file, &title, &|stem| report::comparison_parts(&compared, stem))?;
+            write_document(file, &title, &|stem| report::comparison_page(&compared, stem))?;
         }
     }
     super::show(&scores, arguments.json, |scores| {
-        let mut page = report::comparison(scores.comparison);
+        let mut page = page::text(&report::comparison_page(&compared, ""));
         if !scores.normalised_errors.is_empty() {
             page.push_str("\n\n");
             page.push_str(&report::normalised_error_lines(&scores.normalised_errors).join("\n"));

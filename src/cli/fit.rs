@@ -20,6 +20,7 @@ use crate::measurement::compare::ComparedShot;
 use crate::measurement::compare::mapping::Assignment;
 use crate::quantity::{Dimension, parse_any};
 use crate::report;
+use crate::report::page::text;
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
 
 /// Fit parameters of a scene to measured traces, with uncertainties: least squares, sensor and
@@ -190,9 +191,9 @@ fn run_fit(
     }
     if let Some(file) = &arguments.report {
         let title = format!("{} fitted to {measured}", found.report.scene);
-        write_document(file, &title, &|stem| report::fit_parts(&found, stem))?;
+        write_document(file, &title, &|stem| report::fit_page(&found, stem))?;
     }
-    super::show(&found.report, arguments.json, report::fit)?;
+    super::show(&found.report, arguments.json, |_| text(&report::fit_page(&found, "")))?;
     if let Some(file) = arguments.output.as_ref().filter(|_| !arguments.json) {
         super::print(&format!("  scene    {}", file.display()))?;
     }

@@ -11,7 +11,7 @@ use crate::experiment::facts;
 use crate::files::{self, NewFolder};
 use crate::recording::mcap::RecordingWriter;
 use crate::report;
-use crate::report::document::{html, markdown};
+use crate::report::page::{html, markdown};
 use crate::report::plot::{Theme, svg};
 use crate::studies::paper::{FIGURES, FigureRun, PaperStudy, study};
 use crate::table;

@@ -1,7 +1,7 @@
 //! A calibration's certificate, contents as in ISO/IEC 17025, 7.8, and pictures of its impacts.
 
 use super::calibration::{budget_rows, exclusions, impact_rows, or_not_stated, results};
-use super::document::{Part, html, markdown};
+use super::page::{Part, html, markdown};
 use super::plot::{Plot, Series, Sheet, trace_points};
 use crate::analysis::calibration::{Calibration, ImpactResult};
 use crate::measurement::calibration::CalibrationReport;
@@ -20,7 +20,7 @@ struct Certificate<'a> {
 impl Certificate<'_> {
     fn parts(&self) -> Vec<Part> {
         let report = self.report;
-        let table = |rows: Vec<Vec<String>>| Part::Table(rows);
+        let table = |rows: Vec<Vec<String>>| Part::Table(rows, &[]);
         let pair = |[what, text]: &[String; 2]| vec![what.clone(), text.clone()];
         let heading = |text: &str| Part::Heading(2, text.to_owned());
         let titled = |first: &str, second: &str| vec![first.to_owned(), second.to_owned()];
@@ -38,14 +38,14 @@ impl Certificate<'_> {
         ];
         let left_out = exclusions(report);
         if !left_out.is_empty() {
-            parts.push(Part::List(left_out));
+            parts.push(Part::List("left out", left_out));
         }
         parts.push(heading("Uncertainty budget"));
         parts.push(table(budget_rows(report)));
         parts.push(Part::Paragraph("Inputs that impacts share, such as gain, time constant and a striker's mass, are one input each and do not average out. All inputs, the smaller ones too, stand in calibration.json.".to_owned()));
         if !report.notes.is_empty() {
             parts.push(heading("Notes"));
-            parts.push(Part::List(report.notes.clone()));
+            parts.push(Part::List("note", report.notes.clone()));
         }
         parts.push(heading("Recordings"));
         let head = ["", "recording", "SHA-256", "channel", "range", "time base", "instrument"];

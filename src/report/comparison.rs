@@ -1,10 +1,9 @@
-//! A comparison as a page of text, as a document with pictures, and as facts of a recording.
+//! A comparison as a page, and as facts of a recording.
 
 use std::collections::BTreeMap;
 
-use super::document::Part;
+use super::page::Part;
 use super::plot::{Plot, Series, Sheet, trace_points};
-use super::table;
 use crate::measurement::compare::mapping::ASSUMED;
 use crate::measurement::compare::{ChannelScore, Compared, Comparison};
 use crate::quantity::coverage::NORMAL_95;
@@ -122,48 +121,19 @@ fn mapping(comparison: &Comparison) -> Vec<String> {
         .collect()
 }
 
-/// The page that `compare` prints.
-pub fn comparison(comparison: &Comparison) -> String {
-    let mut lines = vec![
-        format!("{} against {}", comparison.measured, comparison.simulated),
-        format!("  {}", alignment(comparison)),
-        String::new(),
-        "measured over simulated; ± is the expanded uncertainty (95 %)".to_owned(),
-    ];
-    lines.extend(table::lines(&rows(comparison), &[0, 1]));
-    lines.push(String::new());
-    lines.push("measured minus simulated".to_owned());
-    lines.extend(table::lines(&residual_rows(comparison), &[0]));
-    if !comparison.speeds.is_empty() {
-        lines.push(String::new());
-        lines.push("speed between sensors".to_owned());
-        lines.extend(table::lines(&speed_rows(comparison), &[0, 1]));
-    }
-    lines.push(String::new());
-    lines.push(format!("verdict  {}", verdict(comparison)));
-    lines.extend(comparison.failures.iter().map(|failure| format!("  beyond  {failure}")));
-    lines.extend(mapping(comparison).iter().map(|note| format!("  note  {note}")));
-    lines.join("\n")
-}
-
-/// The comparison as a document; pictures are called `<stem>-CH1.svg` and
-/// `<stem>-CH1-difference.svg`.
-pub fn comparison_parts(compared: &Compared, stem: &str) -> Vec<Part> {
+/// The comparison as a page; pictures are called `<stem>-CH1.svg` and `<stem>-CH1-difference.svg`.
+pub fn comparison_page(compared: &Compared, stem: &str) -> Vec<Part> {
     let comparison = &compared.comparison;
     let mut parts = vec![
         Part::Heading(1, format!("{} against {}", comparison.measured, comparison.simulated)),
-        Part::Paragraph(format!("Verdict: {}.", verdict(comparison))),
-        Part::List(comparison.failures.clone()),
-        Part::Paragraph(format!("Traces are {}.", alignment(comparison))),
-        Part::Heading(2, "Measured over simulated".to_owned()),
-        Part::Table(rows(comparison)),
-        Part::Heading(2, "Measured minus simulated".to_owned()),
-        Part::Table(residual_rows(comparison)),
+        Part::Paragraph(alignment(comparison)),
     ];
-    if !comparison.speeds.is_empty() {
-        parts.push(Part::Heading(2, "Speed between sensors".to_owned()));
-        parts.push(Part::Table(speed_rows(comparison)));
-    }
+    let title = "measured over simulated; ± is the expanded uncertainty (95 %)";
+    parts.extend(Part::section(title, rows(comparison), &[0, 1]));
+    parts.extend(Part::section("measured minus simulated", residual_rows(comparison), &[0]));
+    parts.extend(Part::section("speed between sensors", speed_rows(comparison), &[0, 1]));
+    parts.push(Part::Fact("verdict", verdict(comparison)));
+    parts.push(Part::List("beyond", comparison.failures.clone()));
     for (score, pair) in comparison.channels.iter().zip(&compared.pairs) {
         let name = &score.name;
         let title = format!("{name}: measured and simulated");
@@ -174,13 +144,11 @@ pub fn comparison_parts(compared: &Compared, stem: &str) -> Vec<Part> {
         let residual = trace_points(&pair.residual());
         let apart = Plot::over_time(["measured minus simulated", "V"], residual, Vec::new());
         let apart = Sheet::stack(format!("{name}: difference"), vec![apart]);
-        parts.push(Part::Heading(2, name.clone()));
         parts.push(Part::Picture(format!("{stem}-{name}.svg"), title, both));
         let shown = format!("{name}: measured minus simulated");
         parts.push(Part::Picture(format!("{stem}-{name}-difference.svg"), shown, apart));
     }
-    parts.push(Part::Heading(2, "Notes".to_owned()));
-    parts.push(Part::List(mapping(comparison)));
+    parts.push(Part::List("note", mapping(comparison)));
     parts
 }
 

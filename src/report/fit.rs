@@ -1,7 +1,7 @@
-//! A fit as a page of text and as a document with pictures; blind fits as a page.
+//! A fit as a page with pictures; blind fits as a page of text.
 
-use super::document::Part;
 use super::number::{decimals, plus_minus};
+use super::page::Part;
 use super::plot::{Plot, Series, Sheet};
 use super::table;
 use crate::fit::blind::BlindFits;
@@ -99,46 +99,24 @@ fn quality(report: &FitReport) -> String {
     )
 }
 
-/// The page that `fit` prints.
-pub fn fit(report: &FitReport) -> String {
-    let mut lines = vec![format!(
+/// The fit as a page; pictures are called `<stem>-CH1.svg` and `<stem>-CH1-residual.svg`.
+pub fn fit_page(fit: &Fit, stem: &str) -> Vec<Part> {
+    let report = &fit.report;
+    let title = format!(
         "{} fitted to {}; ± is the expanded uncertainty (95 %)",
         report.scene, report.measured
-    )];
-    lines.extend(table::lines(&parameter_rows(report), &[0]));
-    lines
-        .extend(report.nuisances.iter().map(|found| format!("  also fitted  {}", nuisance(found))));
-    lines.push(String::new());
-    lines.push("correlations".to_owned());
-    lines.extend(table::lines(&correlation_rows(report), &[0]));
-    lines.push(String::new());
-    lines.push("residuals (autocorrelation from one sample to the next)".to_owned());
-    lines.extend(table::lines(&channel_rows(report), &[0, 5]));
-    lines.push(format!("  {}", quality(report)));
-    lines.extend(profile_lines(report).iter().map(|line| format!("  profile  {line}")));
-    lines.extend(report.notes.iter().map(|note| format!("  note  {note}")));
-    lines.join("\n")
-}
-
-/// The fit as a document; pictures are called `<stem>-CH1.svg` and `<stem>-CH1-residual.svg`.
-pub fn fit_parts(fit: &Fit, stem: &str) -> Vec<Part> {
-    let report = &fit.report;
+    );
+    let nuisances = report.nuisances.iter().map(nuisance).collect();
     let mut parts = vec![
-        Part::Heading(1, format!("{} fitted to {}", report.scene, report.measured)),
-        Part::Table(parameter_rows(report)),
-        Part::Paragraph("± is the expanded uncertainty (95 %): noise, rounding, and the gains' within their data sheets.".to_owned()),
-        Part::List(report.nuisances.iter().map(nuisance).collect()),
-        Part::Heading(2, "Correlations".to_owned()),
-        Part::Table(correlation_rows(report)),
-        Part::Heading(2, "What is left".to_owned()),
-        Part::Table(channel_rows(report)),
-        Part::Paragraph(format!("{}.", quality(report))),
+        Part::Heading(1, title),
+        Part::Table(parameter_rows(report), &[0]),
+        Part::List("also fitted", nuisances),
     ];
-    let profiles = profile_lines(report);
-    if !profiles.is_empty() {
-        parts.push(Part::Heading(2, "Profiles of badly determined numbers".to_owned()));
-        parts.push(Part::List(profiles));
-    }
+    parts.extend(Part::section("correlations", correlation_rows(report), &[0]));
+    let title = "residuals (autocorrelation from one sample to the next)";
+    parts.extend(Part::section(title, channel_rows(report), &[0, 5]));
+    parts.push(Part::Paragraph(quality(report)));
+    parts.push(Part::List("profile", profile_lines(report)));
     let axis = fit.records.axis;
     for (record, shown) in fit.records.list.iter().zip(&fit.shown) {
         let name = &record.name;
@@ -155,13 +133,11 @@ pub fn fit_parts(fit: &Fit, stem: &str) -> Vec<Part> {
         let mut left = left.map(|((m, s), counts)| if *counts { m - s } else { 0.0 });
         let apart = Plot::over_time(["measured minus fitted", "V"], points(&mut left), Vec::new());
         let apart = Sheet::stack(format!("{name}: residual"), vec![apart]);
-        parts.push(Part::Heading(2, name.clone()));
         parts.push(Part::Picture(format!("{stem}-{name}.svg"), title, both));
         let what = format!("{name}: measured minus fitted");
         parts.push(Part::Picture(format!("{stem}-{name}-residual.svg"), what, apart));
     }
-    parts.push(Part::Heading(2, "Notes".to_owned()));
-    parts.push(Part::List(report.notes.clone()));
+    parts.push(Part::List("note", report.notes.clone()));
     parts
 }
 

@@ -7,7 +7,6 @@ pub mod certificate;
 mod comparison;
 mod contents;
 pub mod dispersion;
-pub mod document;
 mod effects;
 mod fit;
 mod forces;
@@ -17,6 +16,7 @@ pub mod magnet;
 mod number;
 #[cfg(feature = "png")]
 mod outlines;
+pub mod page;
 mod paper;
 pub mod plot;
 #[cfg(feature = "png")]
@@ -35,10 +35,10 @@ mod uncertainty;
 mod work_precision;
 
 pub use arrivals::arrivals;
-pub use comparison::{comparison, comparison_facts, comparison_parts};
+pub use comparison::{comparison_facts, comparison_page};
 pub use contents::{contents, contents_after, contents_before, contents_of};
 pub use effects::{effects, effects_picture};
-pub use fit::{blind, fit, fit_parts};
+pub use fit::{blind, fit_page};
 pub use forces::{ForcePage, force_picture, forces};
 pub use hard_cases::{hard_cases, hard_cases_picture};
 pub use json::{ResultError, check_finite, to_json};

@@ -369,8 +369,7 @@ fn pictures_show_what_they_say_and_their_data_are_theirs() {
 fn report_tells_every_statement() {
     let pictures = report::paper_pictures(&STUDY);
     let parts = report::paper_parts(&STUDY, &pictures);
-    let (markdown, html) =
-        (report::document::markdown(&parts), report::document::html("paper", &parts));
+    let (markdown, html) = (report::page::markdown(&parts), report::page::html("paper", &parts));
     let page = report::paper(&STUDY);
     for finding in &STUDY.findings {
         assert!(markdown.contains(&finding.item) && html.contains(&finding.item));

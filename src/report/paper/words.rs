@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::PaperPicture;
 use crate::experiment::paper_speeds::PaperSpeed;
 use crate::quantity::Uncertain;
-use crate::report::document::Part;
+use crate::report::page::Part;
 use crate::report::table;
 use crate::studies::paper::tables::{SpeedRow, SpeedStudy};
 use crate::studies::paper::{ClaimFinding, ClaimVerdict, PaperStudy, PrintedValue, Slip};
@@ -156,14 +156,14 @@ pub fn paper_parts(study: &PaperStudy, pictures: &[PaperPicture]) -> Vec<Part> {
     if !study.slips.is_empty() {
         parts.push(Part::Heading(2, "Misprints".to_owned()));
         let slip = |slip: &Slip| format!("{}: {}", slip.place, slip.says);
-        parts.push(Part::List(study.slips.iter().map(slip).collect()));
+        parts.push(Part::List("misprint", study.slips.iter().map(slip).collect()));
     }
     if let Some(tables) = &study.tables {
         parts.push(Part::Heading(2, "Tables 1 and 2".to_owned()));
         parts.push(Part::Paragraph(best_dashpot(tables)));
-        parts.push(Part::Table(speeds_rows(tables)));
+        parts.push(Part::Table(speeds_rows(tables), &[0]));
         parts.push(Part::Paragraph(agreement(tables)));
-        parts.push(Part::Table(interval_rows(tables)));
+        parts.push(Part::Table(interval_rows(tables), &[0]));
     }
     parts.push(Part::Heading(2, "Figures".to_owned()));
     for picture in pictures {
@@ -199,7 +199,7 @@ fn findings_table(findings: &[&ClaimFinding]) -> Part {
             finding.reason.clone(),
         ]
     }));
-    Part::Table(rows)
+    Part::Table(rows, &[0])
 }
 
 /// Tables 1 and 2 with what comes out here; speeds from particle 14 to 27 in m/s.
