@@ -7,10 +7,10 @@ use serde::Serialize;
 
 use super::acquire::one_shot;
 use super::input::{ReadingArguments, no_capture};
-use super::picture;
+use super::picture::{self, PlotArguments};
 use crate::measurement::arrivals::{Survey, survey};
 use crate::measurement::statistics::{ShotStatistic, statistics};
-use crate::recording::TraceSet;
+use crate::recording::{Shot, TraceSet};
 use crate::recording::format::for_each_shot;
 use crate::report;
 use crate::table;
@@ -27,6 +27,8 @@ pub struct Arguments {
     /// Write statistics over all shots into this table
     #[arg(short, long, value_name = "FILE.csv", value_parser = csv)]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    plot: PlotArguments,
     /// Print as JSON: shots and statistics
     #[arg(long)]
     json: bool,
@@ -60,13 +62,18 @@ impl AllArrivals {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    arguments.plot.check()?;
     let (mut surveys, mut problems) = (Vec::new(), Vec::new());
+    let mut first: Option<Shot> = None;
     let reading = &arguments.reading;
     let mut take = |mut set: TraceSet| {
         problems = std::mem::take(&mut set.problems);
         reading.apply(&mut set)?;
         let shots = set.shots.iter().filter(|shot| !shot.captures.is_empty());
-        surveys.extend(shots.map(|shot| survey(&set, shot)));
+        for shot in shots {
+            surveys.push(survey(&set, shot));
+            first.get_or_insert_with(|| shot.clone());
+        }
         anyhow::Ok(())
     };
     match reading.selection.shot() {
@@ -84,5 +91,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         table::write(file, &report::statistics_table(&statistics))?;
     }
     let all = AllArrivals { shots: surveys, statistics, problems };
+    if let (Some(shot), Some(found)) = (&first, all.shots.first()) {
+        let title = format!("{}, shot {}", arguments.file.display(), shot.number);
+        arguments.plot.save(&all, || report::arrivals_picture(found, shot, &title))?;
+    }
     super::show(&all, arguments.json, AllArrivals::text)
 }

@@ -10,6 +10,7 @@ use serde::Serialize;
 use super::budget::DrawArguments;
 use super::input::{Selection, TableArguments, assignment, shot};
 use super::overwrite::ending;
+use super::picture::PlotArguments;
 use super::progress::JobProgress;
 use super::sensor::{SensorAssignment, wire_all, wired};
 use crate::experiment::accuracy::of_scene;
@@ -64,6 +65,8 @@ pub struct Arguments {
     /// Write a report with plots (.md, .html), or the measurement with its scores (.mcap)
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    plot: PlotArguments,
     /// Print as JSON
     #[arg(long)]
     json: bool,
@@ -101,6 +104,7 @@ struct Scores<'a> {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    arguments.plot.check()?;
     if let Some(file) = &arguments.output {
         ending(file, &["md", "html", "mcap"])?;
     }
@@ -129,8 +133,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let comparison = &compared.comparison;
     let scores = Scores { comparison, normalised_errors: errors };
     report::check_finite(&scores)?;
+    let title = format!("{name} against {}", arguments.simulated);
     if let Some(file) = &arguments.output {
-        let title = format!("{name} against {}", arguments.simulated);
         if ending(file, &["md", "html", "mcap"])? == "mcap" {
             let facts = report::comparison_facts(comparison);
             write_scores(file, &arguments.measured, &mut set, facts)?;
@@ -138,6 +142,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             write_document(file, &title, &|stem| report::comparison_page(&compared, stem))?;
         }
     }
+    let picture = || page::picture(&title, &report::comparison_page(&compared, ""));
+    arguments.plot.save(&scores, picture)?;
     super::show(&scores, arguments.json, |scores| {
         let mut page = page::text(&report::comparison_page(&compared, ""));
         if !scores.normalised_errors.is_empty() {

@@ -9,7 +9,8 @@ use super::AnswerIsNo;
 use super::accuracy::accuracy;
 use super::compare::write_document;
 use super::input::{Selection, TableArguments, assignment, shot};
-use super::overwrite::{OverwriteArguments, ending};
+use super::overwrite::ending;
+use super::picture::PlotArguments;
 use super::progress::JobProgress;
 use super::value::quantity;
 use crate::analysis::gate::Gate;
@@ -20,7 +21,7 @@ use crate::measurement::compare::ComparedShot;
 use crate::measurement::compare::mapping::Assignment;
 use crate::quantity::{Dimension, parse_any};
 use crate::report;
-use crate::report::page::text;
+use crate::report::page::{picture, text};
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
 
 /// Fit parameters of a scene to measured traces, with uncertainties: least squares, sensor and
@@ -79,7 +80,7 @@ pub struct Arguments {
     profile: bool,
     /// Test the fit: simulate this many measurements with random true values; shows how many
     /// intervals contain them
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000), conflicts_with_all = ["output", "report"])]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000), conflicts_with_all = ["output", "report", "plot"])]
     blind: Option<u32>,
     /// Write the fitted scene, with SCENE as its base, into this file
     #[arg(short, long, value_name = "FILE.toml")]
@@ -88,7 +89,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     #[command(flatten)]
-    overwrite: OverwriteArguments,
+    plot: PlotArguments,
     /// Print as JSON
     #[arg(long)]
     json: bool,
@@ -103,8 +104,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     if let Some(file) = &arguments.report {
         ending(file, &["md", "html"])?;
-        arguments.overwrite.check(file)?;
+        arguments.plot.overwrite.check(file)?;
     }
+    arguments.plot.check()?;
     let options = FitOptions {
         gains: arguments.gains,
         gain_u: arguments.gain_u,
@@ -193,6 +195,8 @@ fn run_fit(
         let title = format!("{} fitted to {measured}", found.report.scene);
         write_document(file, &title, &|stem| report::fit_page(&found, stem))?;
     }
+    let title = format!("{} fitted to {measured}", found.report.scene);
+    arguments.plot.save(&found.report, || picture(&title, &report::fit_page(&found, "")))?;
     super::show(&found.report, arguments.json, |_| text(&report::fit_page(&found, "")))?;
     if let Some(file) = arguments.output.as_ref().filter(|_| !arguments.json) {
         super::print(&format!("  scene    {}", file.display()))?;

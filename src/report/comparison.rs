@@ -139,13 +139,14 @@ pub fn comparison_page(compared: &Compared, stem: &str) -> Vec<Part> {
         let title = format!("{name}: measured and simulated");
         let simulated = Series::behind("simulated", trace_points(&pair.simulated));
         let measured = trace_points(&pair.measured);
-        let both = Plot::over_time(["voltage", "V"], measured, vec![simulated]);
+        let measured_name = format!("{name}, measured");
+        let both = Plot::over_time([&measured_name, "V"], measured, vec![simulated]);
         let both = Sheet::stack(title.as_str(), vec![both]);
         let residual = trace_points(&pair.residual());
-        let apart = Plot::over_time(["measured minus simulated", "V"], residual, Vec::new());
+        let shown = format!("{name}: measured minus simulated");
+        let apart = Plot::over_time([&shown, "V"], residual, Vec::new());
         let apart = Sheet::stack(format!("{name}: difference"), vec![apart]);
         parts.push(Part::Picture(format!("{stem}-{name}.svg"), title, both));
-        let shown = format!("{name}: measured minus simulated");
         parts.push(Part::Picture(format!("{stem}-{name}-difference.svg"), shown, apart));
     }
     parts.push(Part::List("note", mapping(comparison)));

@@ -127,14 +127,14 @@ pub fn fit_page(fit: &Fit, stem: &str) -> Vec<Part> {
         let title = format!("{name}: measured and fitted");
         let fitted = Series::behind("fitted", points(&mut shown.iter().copied()));
         let measured = points(&mut record.volts.iter().copied());
-        let both = Plot::over_time(["voltage", "V"], measured, vec![fitted]);
+        let both = Plot::over_time([&format!("{name}, measured"), "V"], measured, vec![fitted]);
         let both = Sheet::stack(title.as_str(), vec![both]);
+        let what = format!("{name}: measured minus fitted");
         let left = record.volts.iter().zip(shown).zip(&record.counts);
         let mut left = left.map(|((m, s), counts)| if *counts { m - s } else { 0.0 });
-        let apart = Plot::over_time(["measured minus fitted", "V"], points(&mut left), Vec::new());
+        let apart = Plot::over_time([&what, "V"], points(&mut left), Vec::new());
         let apart = Sheet::stack(format!("{name}: residual"), vec![apart]);
         parts.push(Part::Picture(format!("{stem}-{name}.svg"), title, both));
-        let what = format!("{name}: measured minus fitted");
         parts.push(Part::Picture(format!("{stem}-{name}-residual.svg"), what, apart));
     }
     parts.push(Part::List("note", report.notes.clone()));

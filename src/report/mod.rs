@@ -34,7 +34,7 @@ mod tunability;
 mod uncertainty;
 mod work_precision;
 
-pub use arrivals::arrivals;
+pub use arrivals::{arrivals, arrivals_picture};
 pub use comparison::{comparison_facts, comparison_page};
 pub use contents::{contents, contents_after, contents_before, contents_of};
 pub use effects::{effects, effects_picture};

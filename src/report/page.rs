@@ -38,6 +38,15 @@ impl Part {
     }
 }
 
+/// All pictures of a page as one.
+pub fn picture(title: &str, parts: &[Part]) -> Sheet {
+    let panels = parts.iter().filter_map(|part| match part {
+        Part::Picture(_, _, sheet) => Some(&sheet.panels),
+        _ => None,
+    });
+    Sheet::stack(title, panels.flatten().cloned().collect())
+}
+
 /// `parts` as lines of text, without pictures.
 pub fn text(parts: &[Part]) -> String {
     let mut lines = Vec::new();
