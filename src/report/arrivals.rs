@@ -25,8 +25,7 @@ pub fn arrivals(survey: &Survey) -> String {
         "10 %",
         "max. slope",
     ];
-    let mut rows = vec![heading.map(str::to_owned).to_vec()];
-    rows.extend(survey.channels.iter().map(row));
+    let rows = table::titled(heading, survey.channels.iter().map(row));
     lines.extend(table::lines(&rows, &[0, 1]));
     if !survey.speeds.is_empty() {
         lines.push(String::new());

@@ -136,9 +136,7 @@ pub(super) fn impact_rows(report: &CalibrationReport) -> Vec<Vec<String>> {
             number(impact.naive_v_per_n, "V/N", 4),
         ]
     };
-    std::iter::once(heading.map(str::to_owned).to_vec())
-        .chain(report.impacts.iter().map(row))
-        .collect()
+    table::titled(heading, report.impacts.iter().map(row))
 }
 
 /// The budget, small shares of impacts' own inputs put together.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::page::Part;
 use super::plot::{Plot, Series, Sheet, trace_points};
+use super::table;
 use crate::measurement::compare::mapping::ASSUMED;
 use crate::measurement::compare::{ChannelScore, Compared, Comparison};
 use crate::quantity::coverage::NORMAL_95;
@@ -43,8 +44,7 @@ fn rows(comparison: &Comparison) -> Vec<Vec<String>> {
             or_dash(c.spectrum_distance.map(|d| format!("{:.2} %", 100.0 * d))),
         ]
     };
-    let heading = std::iter::once(heading.map(str::to_owned).to_vec());
-    heading.chain(comparison.channels.iter().map(row)).collect()
+    table::titled(heading, comparison.channels.iter().map(row))
 }
 
 fn residual_rows(comparison: &Comparison) -> Vec<Vec<String>> {
@@ -62,23 +62,24 @@ fn residual_rows(comparison: &Comparison) -> Vec<Vec<String>> {
             c.samples.to_string(),
         ]
     };
-    let heading = std::iter::once(heading.map(str::to_owned).to_vec());
-    heading.chain(comparison.channels.iter().map(row)).collect()
+    table::titled(heading, comparison.channels.iter().map(row))
 }
 
 fn speed_rows(comparison: &Comparison) -> Vec<Vec<String>> {
     let heading = ["", "estimator", "measured", "simulated", "error"];
-    let mut rows = vec![heading.map(str::to_owned).to_vec()];
-    rows.extend(comparison.speeds.iter().map(|s| {
-        let speed = |u: Uncertain| format!("{:.2} ± {:.2} m/s", u.value, u.expanded());
-        vec![
-            format!("{} -> {}", s.from, s.to),
-            s.estimator.replace('_', "-"),
-            speed(s.measured_m_per_s),
-            speed(s.simulated_m_per_s),
-            share(s.error),
-        ]
-    }));
+    let rows = table::titled(
+        heading,
+        comparison.speeds.iter().map(|s| {
+            let speed = |u: Uncertain| format!("{:.2} ± {:.2} m/s", u.value, u.expanded());
+            vec![
+                format!("{} -> {}", s.from, s.to),
+                s.estimator.replace('_', "-"),
+                speed(s.measured_m_per_s),
+                speed(s.simulated_m_per_s),
+                share(s.error),
+            ]
+        }),
+    );
     rows
 }
 

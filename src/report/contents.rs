@@ -106,8 +106,7 @@ fn shot_lines(shot: &Shot) -> Vec<String> {
         "highest",
         "clipped",
     ];
-    let mut rows = vec![heading.map(str::to_owned).to_vec()];
-    rows.extend(shot.captures.iter().map(capture_row));
+    let rows = table::titled(heading, shot.captures.iter().map(capture_row));
     let mut lines = vec![format!("shot {}, {origin}", shot.number)];
     lines.extend(table::lines(&rows, &[0]));
     if shot.origin == Origin::Measured && shot.timestamp_ns > 0 {

@@ -141,18 +141,20 @@ impl DispersionPage {
             String::new(),
         ];
         let heading = ["frequency", "k a", "amplitude", "theory at k a", "deviation", "direction"];
-        let mut rows = vec![heading.map(str::to_owned).to_vec()];
-        rows.extend(found.lines.iter().map(|line| {
-            let theory = self.theory(line);
-            vec![
-                hertz(line.frequency),
-                format!("{:.3} rad", line.phase),
-                format!("{:.0} %", 100.0 * line.height),
-                hertz(theory),
-                format!("{:+.1} %", 100.0 * (line.frequency / theory - 1.0)),
-                if line.onward { "forward" } else { "backward" }.to_owned(),
-            ]
-        }));
+        let rows = table::titled(
+            heading,
+            found.lines.iter().map(|line| {
+                let theory = self.theory(line);
+                vec![
+                    hertz(line.frequency),
+                    format!("{:.3} rad", line.phase),
+                    format!("{:.0} %", 100.0 * line.height),
+                    hertz(theory),
+                    format!("{:+.1} %", 100.0 * (line.frequency / theory - 1.0)),
+                    if line.onward { "forward" } else { "backward" }.to_owned(),
+                ]
+            }),
+        );
         page.extend(table::lines(&rows, &[5]));
         page.push(String::new());
         page.extend(terminal(&self.plot()));

@@ -3,7 +3,6 @@
 use super::plot::{Axis, COLOURS, Plot, Series, Sheet, Stroke};
 use super::table;
 use super::text::{TERMINAL_WIDTH, hanging_indent, wrapped};
-use crate::quantity::engineering;
 use crate::studies::effects::{Change, EffectState, Ledger, LedgerEntry};
 
 /// Explanation of the table.
@@ -80,7 +79,7 @@ fn row(entry: &LedgerEntry, accuracy: f64) -> Vec<String> {
     let moves = change.is_some_and(|change| change.speed.is_some());
     let known = if moves { accuracy } else { 0.0 };
     let share = |value: Option<f64>| value.map_or("-".to_owned(), |v| sign(percent(v, known)));
-    let time = |value: Option<f64>| value.map_or("-".to_owned(), |v| engineering(v, "s", 2));
+    let time = |value: Option<f64>| table::known(value, "s", 2);
     let state = match entry.state {
         EffectState::On => "on",
         EffectState::Off => "off",

@@ -23,8 +23,7 @@ fn parameter_rows(report: &FitReport) -> Vec<Vec<String>> {
             format!("{:.3} %", 100.0 * p.expanded / p.value.abs()),
         ]
     };
-    let heading = std::iter::once(heading.map(str::to_owned).to_vec());
-    heading.chain(report.parameters.iter().map(row)).collect()
+    table::titled(heading, report.parameters.iter().map(row))
 }
 
 fn nuisance(found: &Nuisance) -> String {
@@ -52,8 +51,7 @@ fn channel_rows(report: &FitReport) -> Vec<Vec<String>> {
             c.mapped_by.to_owned(),
         ]
     };
-    let heading = std::iter::once(heading.map(str::to_owned).to_vec());
-    heading.chain(report.channels.iter().map(row)).collect()
+    table::titled(heading, report.channels.iter().map(row))
 }
 
 fn correlation_rows(report: &FitReport) -> Vec<Vec<String>> {
@@ -144,16 +142,18 @@ pub fn fit_page(fit: &Fit, stem: &str) -> Vec<Part> {
 /// The page that `fit --blind` prints.
 pub fn blind(found: &BlindFits, scene: &str) -> String {
     let heading = ["", "inside 95 %", "bias", "spread", "mean u"];
-    let mut rows = vec![heading.map(str::to_owned).to_vec()];
-    rows.extend(found.parameters.iter().map(|p| {
-        vec![
-            p.path.clone(),
-            format!("{:.1} %", 100.0 * p.coverage_95),
-            format!("{:+.3} u", p.bias),
-            format!("{:.3} u", p.spread),
-            format!("{:.4} %", 100.0 * p.mean_u_relative),
-        ]
-    }));
+    let mut rows = table::titled(
+        heading,
+        found.parameters.iter().map(|p| {
+            vec![
+                p.path.clone(),
+                format!("{:.1} %", 100.0 * p.coverage_95),
+                format!("{:+.3} u", p.bias),
+                format!("{:.3} u", p.spread),
+                format!("{:.4} %", 100.0 * p.mean_u_relative),
+            ]
+        }),
+    );
     rows.push(vec!["all".to_owned(), format!("{:.1} %", 100.0 * found.coverage_95)]);
     let mut lines = vec![format!(
         "{} blind fits of {scene}, numbers hidden within {} %",

@@ -95,9 +95,7 @@ pub fn forces(page: &ForcePage) -> String {
         };
         let sensor = &channel.sensor;
         let is_clipped = channel.first_clipped.is_some_and(|first| index >= first);
-        let or_none = |value: Option<f64>, unit| {
-            value.map_or("-".to_owned(), |value| engineering(value, unit, 4))
-        };
+        let or_none = |value: Option<f64>, unit| table::known(value, unit, 4);
         rows.push(vec![
             channel.channel.clone(),
             sensor.name.clone(),

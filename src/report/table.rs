@@ -2,12 +2,27 @@
 
 use unicode_width::UnicodeWidthStr;
 
+use crate::quantity::engineering;
+
 /// Widest column: longer cells stand out of it, and make nothing else wider (characters).
 const WIDEST: usize = 60;
 
 /// Columns that `text` takes on a terminal.
 pub(super) fn width(text: &str) -> usize {
     UnicodeWidthStr::width(text)
+}
+
+/// Rows under their heading.
+pub fn titled<const N: usize>(
+    heading: [&str; N],
+    rows: impl IntoIterator<Item = Vec<String>>,
+) -> Vec<Vec<String>> {
+    std::iter::once(heading.map(str::to_owned).to_vec()).chain(rows).collect()
+}
+
+/// A number that may be unknown, in engineering notation with so many digits.
+pub fn known(value: Option<f64>, unit: &str, digits: usize) -> String {
+    value.map_or("-".to_owned(), |value| engineering(value, unit, digits))
 }
 
 /// Lines of a table whose first row is its heading. Columns named in `left` are flush left.
