@@ -8,11 +8,12 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::budget::DrawArguments;
-use super::input::{Selection, TableArguments, assignment, shot};
+use super::input::{
+    SensorAssignment, Selection, TableArguments, assignment, shot, wire_all, wired,
+};
 use super::overwrite::ending;
 use super::picture::PlotArguments;
 use super::progress::JobProgress;
-use super::sensor::{SensorAssignment, wire_all, wired};
 use crate::experiment::accuracy::of_scene;
 use crate::experiment::{self, Integration, facts};
 use crate::files;

@@ -8,17 +8,17 @@ use anyhow::{anyhow, bail};
 use clap::Args;
 
 use super::acquire::one_shot;
-use super::sensor::{SensorAssignment, wire_all, wired};
+use crate::data;
 use crate::experiment::facts;
 use crate::measurement::compare::mapping::Assignment;
-use crate::measurement::force::count_gains;
+use crate::measurement::force::{count_gains, wire};
 use crate::measurement::metadata::{self, RecordedDistance};
 use crate::quantity::coverage::NORMAL_95;
 use crate::quantity::{Dimension, Uncertain, parse};
 use crate::recording::format::{open_with, read_shot};
 use crate::recording::tek_csv::TableColumns;
 use crate::recording::{Shot, TraceSet};
-use crate::scene::Scene;
+use crate::scene::{Scene, plates};
 #[cfg(feature = "tui")]
 use crate::tui::model::BenchOption;
 
@@ -353,6 +353,50 @@ fn distance(text: &str) -> Result<RecordedDistance, String> {
     }
     let name = |channel: &str| channel.trim().to_ascii_uppercase();
     Ok(RecordedDistance { from: name(from), to: name(to), distance })
+}
+
+/// A channel and its sensor, as typed.
+#[derive(Debug, Clone)]
+pub struct SensorAssignment {
+    channel: String,
+    sensor: String,
+}
+
+/// Reads `CH1=NAME`.
+pub fn wired(text: &str) -> Result<SensorAssignment, String> {
+    match text.split_once('=') {
+        Some((channel, sensor)) if !channel.trim().is_empty() && !sensor.trim().is_empty() => {
+            Ok(SensorAssignment {
+                channel: channel.trim().to_owned(),
+                sensor: sensor.trim().to_owned(),
+            })
+        }
+        _ => Err(format!("found {text}, expected a channel and a sensor, e.g. CH1=sensor.toml")),
+    }
+}
+
+/// Notes all of them in `set`.
+pub fn wire_all(set: &mut TraceSet, wires: &[SensorAssignment]) -> anyhow::Result<()> {
+    for SensorAssignment { channel, sensor } in wires {
+        let mut names: Vec<String> = set
+            .shots
+            .iter()
+            .flat_map(|shot| &shot.captures)
+            .map(|capture| capture.waveform.source.to_string())
+            .collect();
+        if !names.iter().any(|name| name.eq_ignore_ascii_case(channel)) {
+            names.dedup();
+            bail!("found no channel {channel}, expected one of {}", names.join(", "));
+        }
+        let Some(found) = plates::load(sensor)? else {
+            let names = data::instrument_names("sensors").join(", ");
+            bail!(
+                "found no sensor `{sensor}`, expected one of {names}, or the path of a sensor's file"
+            );
+        };
+        wire(set, channel, &found)?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]

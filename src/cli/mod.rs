@@ -3,7 +3,6 @@
 //! Exit code 0: done; 1: done, and the answer is no; 2: could not.
 
 mod accuracy;
-mod by_hand;
 mod input;
 mod output;
 mod overwrite;
@@ -11,7 +10,6 @@ mod picture;
 mod plain_table;
 mod progress;
 mod saved;
-mod sensor;
 mod signal;
 mod value;
 

@@ -6,9 +6,8 @@ use anyhow::{anyhow, bail};
 use clap::Args;
 use serde::{Serialize, Serializer};
 
-use super::accuracy::AccuracyArguments;
+use super::accuracy::{AccuracyArguments, ByHand, TOLERANCES};
 use super::budget::DrawArguments;
-use super::by_hand::{ByHand, TOLERANCES};
 use super::picture::PlotArguments;
 use super::progress::JobProgress;
 use super::value::{ABOVE_ZERO, quantity};

@@ -1,8 +1,8 @@
 //! Arrivals and speeds as a page of text.
 
-use super::number::with_expanded;
 use super::plot::{Plot, Sheet, trace_points};
 use super::table;
+use super::table::with_expanded;
 use crate::measurement::arrivals::{ChannelArrivals, SpeedBetween, Survey};
 use crate::quantity::{Uncertain, engineering};
 use crate::recording::{Capture, Shot};

@@ -1,7 +1,7 @@
 //! A calibration as a page of text, as a certificate, and as pictures of its impacts.
 
-use super::number::with_expanded;
 use super::table;
+use super::table::with_expanded;
 use crate::measurement::calibration::CalibrationReport;
 use crate::measurement::calibration::words::ImpactReport;
 use crate::quantity::engineering;

@@ -75,6 +75,8 @@ impl Certificate<'_> {
         } else {
             "sensor alone; the scope's gain is an input of the budget"
         };
+        let ohm = |value: f64| engineering(value, "Ohm", 3);
+        let farad = |value: f64| engineering(value, "F", 3);
         let celsius = |kelvin: f64| format!("{:.1} °C", kelvin - ZERO_CELSIUS);
         let texts = [
             ("item", report.item.clone()),
@@ -94,8 +96,8 @@ impl Certificate<'_> {
                     }
                     None => format!(
                         "{} and {} at the scope's input",
-                        engineering(report.input_resistance_ohm.unwrap_or(f64::NAN), "Ohm", 3),
-                        engineering(report.input_capacitance_f.unwrap_or(f64::NAN), "F", 3)
+                        or_not_stated(report.input_resistance_ohm.map(ohm).as_ref()),
+                        or_not_stated(report.input_capacitance_f.map(farad).as_ref())
                     ),
                 },
             ),

@@ -1,9 +1,9 @@
 //! A fit as a page with pictures; blind fits as a page of text.
 
-use super::number::{decimals, plus_minus};
 use super::page::Part;
 use super::plot::{Plot, Series, Sheet};
 use super::table;
+use super::table::{decimals, plus_minus};
 use crate::fit::blind::BlindFits;
 use crate::fit::{ChannelResult, Fit, FitReport, Nuisance, Parameter};
 use crate::quantity::engineering;

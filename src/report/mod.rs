@@ -13,7 +13,6 @@ mod forces;
 mod hard_cases;
 mod json;
 pub mod magnet;
-mod number;
 #[cfg(feature = "png")]
 mod outlines;
 pub mod page;

@@ -1,9 +1,9 @@
 //! Intervals, bands and budgets of uncertain scenes, and normalised errors, as pages of text and
 //! pictures.
 
-use super::number::with_expanded;
 use super::plot::{Axis, COLOURS, Plot, Series, Sheet, Stroke, trace_points};
 use super::table;
+use super::table::with_expanded;
 use super::text::hanging_indent;
 use crate::quantity::{Dimension, Uncertain, engineering};
 use crate::recording::{Capture, Shot};
