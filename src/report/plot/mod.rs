@@ -238,7 +238,11 @@ impl Plot {
         let points = || lines.iter().flat_map(|line| &line.points).copied();
         let range = |values: &mut dyn Iterator<Item = f64>, empty: (f64, f64)| {
             let (low, high) = values.fold(empty, |(low, high), v| (low.min(v), high.max(v)));
-            if high > low { (low, high) } else { (low.min(0.0), low.max(0.0) + 1.0) }
+            match high > low {
+                true => (low, high),
+                false if low.is_finite() => (low.min(0.0), low.max(0.0) + 1.0),
+                false => (0.0, 1.0),
+            }
         };
         let across = range(&mut points().map(|(x, _)| x), (f64::INFINITY, f64::NEG_INFINITY));
         let (low, high) = range(&mut points().map(|(_, y)| y), (0.0, 0.0));
