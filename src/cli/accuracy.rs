@@ -49,7 +49,7 @@ pub fn accuracy(text: &str) -> Result<f64, String> {
     quantity(Dimension::NONE, TIGHTEST_ACCURACY..=LOOSEST_ACCURACY, "1e-3")(text)
 }
 
-/// Tolerances that a step's error may be held to: below, rounding would be mistaken for it (1).
+/// Tolerances of a step's error: below them rounding dominates (1).
 pub const TOLERANCES: RangeInclusive<f64> = 1e-15..=0.1;
 
 /// Methods.

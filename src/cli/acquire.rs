@@ -20,7 +20,7 @@ use crate::recording::TraceSet;
 /// or GPIB behind a Prologix adapter
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// The scope: `tcp://HOST:PORT`, `serial:/dev/ttyUSB0?baud=19200` (hard flagging), or
+    /// The scope: `tcp://HOST:PORT`, `serial:/dev/ttyUSB0?baud=19200` (RTS/CTS flow control), or
     /// `prologix://HOST?gpib=1`
     #[arg(value_parser = str::parse::<Address>)]
     address: Address,
@@ -72,7 +72,7 @@ struct Troubles {
 }
 
 impl Troubles {
-    /// Counts an event of `shot`, and tells the user of it.
+    /// Counts an event of `shot` and reports it to the user.
     fn note(&mut self, event: &AcquisitionEvent, (shot, trigger): (&str, &str), quiet: bool) {
         let (is_trouble, words) = match event {
             AcquisitionEvent::Armed => {
@@ -117,7 +117,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut troubles = Troubles::default();
     let recorded = record(arguments, &mut scope, &stop, &mut troubles);
     let instrument = scope.instrument().clone();
-    // The scope is put back whatever became of the recording; what failed first is told.
+    // The scope is restored in every case; the first error is reported.
     let restored = scope.end();
     let (file, shots) = recorded?;
     restored?;

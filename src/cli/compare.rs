@@ -1,4 +1,4 @@
-//! `hertzscope compare`: a measurement held against a simulation.
+//! `hertzscope compare`: a measurement compared with a simulation.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -111,7 +111,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     let number = arguments.selection.single();
     if Format::of(Path::new(&arguments.simulated)).is_none() {
-        // A wrong scene is told before a scope is waited for.
+        // Errors of the scene are reported before a scope is waited for.
         Scene::load(&arguments.simulated)?;
     }
     let mut set = arguments.table.open_shot(&arguments.measured, number)?;

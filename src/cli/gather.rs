@@ -53,7 +53,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if found.missing.is_empty() { Ok(()) } else { Err(AnswerIsNo.into()) }
 }
 
-/// Joins the logs in `folder` into `tables`; tells what the user should know on standard error.
+/// Joins the logs in `folder` into `tables`; prints notes on standard error.
 pub fn gathered(
     folder: &Path,
     found: GatheredLogs,

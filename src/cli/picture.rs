@@ -57,8 +57,7 @@ pub fn file(text: &str) -> Result<PathBuf, String> {
     }
 }
 
-/// `file`, whose folder must be there: what cannot be written is told before the work and not after
-/// it.
+/// `file`, if its folder exists: what cannot be written is refused before the work.
 pub fn in_a_folder(file: PathBuf) -> Result<PathBuf, String> {
     match file.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.is_dir()) {
         Some(folder) => Err(format!(

@@ -55,9 +55,7 @@ pub struct Arguments {
     /// Random seed of noise and sampling phase [default: the scene's]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// How often over the scene's duration the recording keeps the forces of all contacts and the
-    /// displacements of all bodies, 2 to 50000: more for the spectra of a long run, fewer for a
-    /// small file (sensors' forces are kept at the scope's samples)
+    /// Number of times at which contact forces and displacements are stored, 2 to 50000
     /// [default: the scene's, else 200]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(i64::from(*FRAMES.start())..=i64::from(*FRAMES.end())))]
     frames: Option<u32>,
@@ -100,7 +98,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     scene.frames = arguments.frames.unwrap_or(scene.frames);
     arguments.plot.check()?;
     let (integration, reason) = integration(arguments, &scene)?;
-    // Before the recording tells what it is of.
+    // Before the recording's metadata are made.
     let scene = resolve_auto_effects(&scene, integration);
     let facts = facts::facts(&scene, first_attempt(&scene, integration));
     let known = facts.map_err(|error| advised(error, &scene, integration))?;

@@ -1,4 +1,4 @@
-//! `hertzscope show`: a scene with everything it stands on.
+//! `hertzscope show`: a scene with everything it is based on.
 
 use clap::Args;
 

@@ -97,7 +97,7 @@ impl SignalArguments {
     }
 }
 
-/// A signal, where it was felt, and what is subtracted from it.
+/// A signal, its sensor's site, and the offset that is subtracted (unit).
 pub type SelectedSignal = (Trace, Option<Site>, f64);
 
 /// The first channel that is meant.

@@ -171,8 +171,7 @@ fn watch(arguments: &Arguments, address: &Address) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The bench of a scene, which is read here so that its problems are told before the screen is
-/// taken.
+/// The bench of a scene, read here so that its problems are reported before the screen opens.
 fn bench(scene: &str) -> anyhow::Result<ViewSource> {
     Scene::load(scene)?;
     let base = match std::fs::canonicalize(scene) {

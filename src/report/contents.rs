@@ -9,7 +9,7 @@ use crate::recording::{Capture, Origin, Shot, TraceSet};
 /// A number with more characters than this is rounded where people read it.
 const MAX_NUMBER_WIDTH: usize = 8;
 
-/// Values stand in a column beside keys of at most this width (characters).
+/// Values are aligned after keys of at most this width (characters).
 const MAX_KEY_WIDTH: usize = 40;
 
 /// The page that `info` prints.
@@ -110,7 +110,7 @@ fn shot_lines(shot: &Shot) -> Vec<String> {
     let mut lines = vec![format!("shot {}, {origin}", shot.number)];
     lines.extend(table::lines(&rows, &[0]));
     if shot.origin == Origin::Measured && shot.timestamp_ns > 0 {
-        lines.push(format!("  dated {}, by the file", utc(shot.timestamp_ns)));
+        lines.push(format!("  date of the file: {}", utc(shot.timestamp_ns)));
     }
     for capture in &shot.captures {
         let source = capture.waveform.source;

@@ -109,7 +109,7 @@ fn plain(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('[', "\\[").replace(']', "\\]")
 }
 
-/// The name of a file in a link; one with blanks or brackets stands in angle brackets.
+/// The name of a file in a link, in angle brackets if it has blanks or brackets.
 fn link(file: &str) -> String {
     let is_simple = |c: char| c.is_alphanumeric() || "-_./".contains(c);
     if file.chars().all(is_simple) {

@@ -21,7 +21,7 @@ pub struct SpectrogramPage {
     pub title: String,
     /// The map.
     pub map: Spectrogram,
-    /// The chain around the sensor, where the recording tells.
+    /// The chain around the sensor, if the recording has a scene.
     pub chain: Option<DiatomicChain>,
     /// Highest frequency that is shown (Hz).
     pub highest: f64,

@@ -5,7 +5,7 @@ use unicode_width::UnicodeWidthStr;
 
 use crate::quantity::engineering;
 
-/// Widest column: longer cells stand out of it, and make nothing else wider (characters).
+/// Widest column: longer cells overflow it and make no other cell wider (characters).
 const WIDEST: usize = 60;
 
 /// Columns that `text` takes on a terminal.
@@ -59,7 +59,7 @@ pub(super) fn decimals(u: f64) -> usize {
     (1.0 - u.log10().floor()).clamp(0.0, 12.0) as usize
 }
 
-/// In the unit as it stands: `1.4601 ± 0.0023 GPa`.
+/// A number in the given unit: `1.4601 ± 0.0023 GPa`.
 pub(super) fn plus_minus(value: f64, expanded: f64, unit: &str) -> String {
     let decimals = decimals(expanded);
     format!("{value:.decimals$} ± {expanded:.decimals$} {unit}").trim_end().to_owned()

@@ -28,7 +28,7 @@ pub struct TransferPage {
     pub shots: usize,
     /// The window of its segments, in words.
     pub window: String,
-    /// The chain around the sensors, where the recording tells.
+    /// The chain around the sensors, if the recording has a scene.
     pub chain: Option<DiatomicChain>,
     /// Notes for the reader.
     pub notes: Vec<String>,

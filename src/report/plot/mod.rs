@@ -30,7 +30,7 @@ const BACKGROUND_COLOUR: &str = "#909090";
 /// Colour of marks.
 const MARK_COLOUR: &str = "#c04020";
 
-/// Lines in colours that the colour-blind tell apart. Source: M. Okabe, K. Ito (2008), "Color
+/// Colours that are distinct for the colour-blind. Source: M. Okabe, K. Ito (2008), "Color
 /// Universal Design".
 pub const COLOURS: [&str; 7] =
     ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
