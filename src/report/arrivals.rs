@@ -62,7 +62,8 @@ pub fn arrivals_picture(survey: &Survey, shot: &Shot, title: &str) -> Sheet {
     let panel = |trace: Trace| {
         let found = survey.channels.iter().find(|channel| channel.channel == trace.name);
         let arrivals = found.into_iter().flat_map(|channel| &channel.arrivals);
-        let marks = arrivals.filter_map(|arrival| {
+        let shown = arrivals.filter(|arrival| ["half_rise", "peak"].contains(&arrival.estimator));
+        let marks = shown.filter_map(|arrival| {
             let time = arrival.time_s?;
             let name = arrival.estimator.replace('_', " ");
             Some((time.value, format!("{name}: {}", with(Some(time), "s"))))
