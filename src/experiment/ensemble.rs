@@ -72,7 +72,7 @@ impl Ensemble {
         done: &(dyn Fn(usize) + Sync),
     ) -> Vec<Result<Readout, IntegrateError>> {
         let cases: Vec<&Case> = cases.iter().map(Borrow::borrow).collect();
-        let run = |(): &mut (), case: &&Case| {
+        let run = |case: &&Case| {
             let found = case.run(self.integration, self.set);
             done(1);
             found
@@ -125,7 +125,7 @@ impl Case {
             Integration::Accuracy(accuracy) => {
                 method_choice::method_for(&self.chain, &self.velocities, accuracy)
             }
-            Integration::Method(method) | Integration::Attempt { method, .. } => method,
+            Integration::Method(method) => method,
         }
     }
 

@@ -125,7 +125,7 @@ pub fn tune(
             jobs.push((*knob, value));
         }
     }
-    let work = |(): &mut (), (knob, value): &(TuningParameter, f64)| point(scene, *knob, *value);
+    let work = |(knob, value): &(TuningParameter, f64)| point(scene, *knob, *value);
     let done = |finished: usize| progress(finished as f64 / jobs.len() as f64);
     let mut results = in_parallel(processors(), &jobs, &work, &done).into_iter();
     let mut tunings = Vec::new();
