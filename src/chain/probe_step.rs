@@ -187,7 +187,7 @@ impl ProbeTracker {
     pub fn advance(&mut self, stepper: &VectorStepper) {
         let mut moving = [[0.0; 3]; 5];
         for (moving, body) in moving.iter_mut().zip(self.bodies) {
-            *moving = stepper.body(body);
+            *moving = stepper.motion(body);
         }
         // Change of each overlap and its first two derivatives; change of its force, and its rate.
         let (mut between, mut forces, mut rates) = ([[0.0; 3]; 4], [0.0; 4], [0.0; 4]);

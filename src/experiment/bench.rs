@@ -5,6 +5,7 @@ use crate::chain::simd::{InstructionSet, Refinement, VectorStepper};
 use crate::chain::{Chain, ChainSystem, Dissipated, Energy, ForceProbe};
 use crate::integrate::{IntegrateError, Integrator, Method, State, Work};
 
+use super::extremes::Extremes;
 use super::frames::Frames;
 pub use super::grid::Grid;
 pub use super::probe_record::ProbeRecord;
@@ -67,6 +68,8 @@ pub struct Bench<'a> {
     grid: Grid,
     watches: Vec<ProbeRecord>,
     film: Frames,
+    /// Taken beside frames: none where there are no frames.
+    extremes: Option<Extremes>,
     initial_velocities: Vec<f64>,
     most_evaluations: u64,
 }
@@ -110,6 +113,7 @@ impl<'a> Bench<'a> {
             grid,
             watches: probes.iter().map(watch).collect(),
             film: Frames::new(chain, frames, initial_velocities),
+            extremes: (frames != Grid::NEVER).then(|| Extremes::new(chain, initial_velocities)),
             initial_velocities: initial_velocities.to_vec(),
             most_evaluations: u64::MAX,
         }
@@ -132,7 +136,7 @@ impl<'a> Bench<'a> {
         pulses: bool,
         progress: &mut dyn FnMut(f64),
     ) -> Result<(), IntegrateError> {
-        let Self { chain, engine, grid, watches, film, most_evaluations, .. } = self;
+        let Self { chain, engine, grid, watches, film, extremes, most_evaluations, .. } = self;
         let (bodies, most) = (chain.bodies().len(), *most_evaluations);
         for watch in &mut *watches {
             let due = grid.samples_until(end).saturating_sub(watch.samples.len());
@@ -149,6 +153,9 @@ impl<'a> Bench<'a> {
                         watch.take_step(set, tracker, stepper.time(), *grid, pulses);
                     }
                     film.take_step(chain, stepper);
+                    if let Some(extremes) = extremes {
+                        extremes.take_step(chain, stepper.as_ref());
+                    }
                     progress(stepper.time());
                 }
             }
@@ -161,6 +168,9 @@ impl<'a> Bench<'a> {
                         watch.take(integrator.as_ref(), bodies, *grid, pulses);
                     }
                     film.follow(chain, integrator.as_ref());
+                    if let Some(extremes) = extremes {
+                        extremes.take_step(chain, integrator.as_ref());
+                    }
                     progress(integrator.time());
                 }
             }
@@ -195,6 +205,11 @@ impl<'a> Bench<'a> {
     /// The film so far.
     pub fn film(&self) -> &Frames {
         &self.film
+    }
+
+    /// Largest forces and displacements so far; none where no frames are taken.
+    pub fn extremes(&self) -> Option<&Extremes> {
+        self.extremes.as_ref()
     }
 
     /// Energy at the start and now, without what contacts held at zero force will not give back.

@@ -37,12 +37,6 @@ const TWO_STEP_FROM: f64 = 2e-4;
 /// A contact is preloaded whose static overlap is this share of the coming impact's, or more: its
 /// frequency goes as the fourth root of the overlap (1).
 const PRELOADED_SHARE: f64 = 1e-3;
-/// Tolerance of the first attempt under error control, in terms of the accuracy asked: most runs
-/// are accurate enough then (1).
-const FIRST_TOLERANCE_FACTOR: f64 = 10.0;
-/// Largest tolerance of the first attempt (1).
-const MAX_FIRST_TOLERANCE: f64 = 0.01;
-
 /// How a run is integrated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Integration {
@@ -50,51 +44,6 @@ pub enum Integration {
     Accuracy(f64),
     /// By this method with this setting.
     Method(Method),
-    /// By a method that is tried, and held to an accuracy afterwards.
-    Attempt {
-        /// The method.
-        method: Method,
-        /// Relative error of first-peak forces and times (1).
-        accuracy: f64,
-    },
-}
-
-/// A method, and the accuracy that its steps are made for (1).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Attempt {
-    /// The method.
-    pub method: Method,
-    /// The accuracy that its steps are made for (1).
-    pub steps: f64,
-}
-
-/// The first attempt at `accuracy` (1): steps of two lengths where they may serve, else error
-/// control. A run is compared with a reference run, so the steps are made for less than the
-/// accuracy.
-pub fn first_attempt_at(scene: &Scene, accuracy: f64) -> Attempt {
-    match two_step(&scene.chain, accuracy) {
-        Some(method) => Attempt { method, steps: accuracy },
-        None => first_controlled(scene, accuracy),
-    }
-}
-
-/// The first attempt at `accuracy` (1) under error control.
-pub fn first_controlled(scene: &Scene, accuracy: f64) -> Attempt {
-    controlled(scene, (FIRST_TOLERANCE_FACTOR * accuracy).min(MAX_FIRST_TOLERANCE).max(accuracy))
-}
-
-/// An attempt under error control whose steps are made for an accuracy of `steps` (1).
-pub fn controlled(scene: &Scene, steps: f64) -> Attempt {
-    let method = controlled_for(&scene.chain, &scene.initial_velocities, steps);
-    Attempt { method, steps }
-}
-
-/// The first attempt of `integration`, where it is an accuracy. A recording names it before the
-/// work is done; the attempt that was accurate enough is written beside each shot.
-pub fn first_attempt(scene: &Scene, integration: Integration) -> Integration {
-    let Integration::Accuracy(accuracy) = integration else { return integration };
-    let Attempt { method, .. } = first_attempt_at(scene, accuracy);
-    Integration::Attempt { method, accuracy }
 }
 
 /// The method of `integration` for `scene`.
@@ -107,7 +56,6 @@ pub fn method(scene: &Scene, integration: Integration) -> Result<Method, RunErro
         Integration::Accuracy(accuracy) => {
             return Ok(method_for(&scene.chain, &scene.initial_velocities, accuracy));
         }
-        Integration::Attempt { method, .. } => return Ok(method),
         Integration::Method(method) => method,
     };
     refuse(scene, method)?;

@@ -193,6 +193,9 @@ pub trait Integrator {
     /// [`Integrator::prepare_interpolation`].
     fn interpolant(&self, body: usize) -> Interpolant;
 
+    /// Position (m) and velocity (m/s) of `body` at the end of the last step.
+    fn body(&self, body: usize) -> [f64; 2];
+
     /// Start and length of the last step (s).
     fn last_step(&self) -> (f64, f64);
 

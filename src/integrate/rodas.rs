@@ -239,6 +239,10 @@ impl Integrator for Rodas<'_> {
         Between { from, to, jerks: None }.interpolant(body)
     }
 
+    fn body(&self, body: usize) -> [f64; 2] {
+        [self.state.position[body], self.state.velocity[body]]
+    }
+
     fn last_step(&self) -> (f64, f64) {
         (self.previous.time, self.state.time - self.previous.time)
     }

@@ -272,6 +272,10 @@ impl Integrator for SplittingIntegrator<'_> {
         Between { from, to, jerks: self.jerks.as_ref() }.interpolant(body)
     }
 
+    fn body(&self, body: usize) -> [f64; 2] {
+        [self.state.position[body], self.state.velocity[body]]
+    }
+
     fn last_step(&self) -> (f64, f64) {
         (self.previous.time, self.state.time - self.previous.time)
     }

@@ -259,6 +259,10 @@ impl<I: Restart> Integrator for Switched<I> {
         motion
     }
 
+    fn body(&self, body: usize) -> [f64; 2] {
+        [self.state.position[body], self.state.velocity[body]]
+    }
+
     fn last_step(&self) -> (f64, f64) {
         (self.start, self.state.time - self.start)
     }
@@ -383,7 +387,11 @@ mod tests {
             motion
         }
 
-        fn last_step(&self) -> (f64, f64) {
+        fn body(&self, body: usize) -> [f64; 2] {
+        [self.state.position[body], self.state.velocity[body]]
+    }
+
+    fn last_step(&self) -> (f64, f64) {
             (self.start, 1.0)
         }
 

@@ -182,7 +182,7 @@ impl VectorStepper {
     /// Position, velocity and acceleration of `body` at the end of the last step; zero for a body
     /// that is not there (m, m/s, m/s²).
     #[inline]
-    pub fn body(&self, body: Option<usize>) -> [f64; 3] {
+    pub fn motion(&self, body: Option<usize>) -> [f64; 3] {
         match body {
             Some(body) => self.now.of(body),
             None => [0.0; 3],
@@ -332,6 +332,11 @@ impl Integrator for VectorStepper {
         };
         let ((from, early), (to, late)) = (end(&self.previous), end(&self.now));
         septic(from, to, (early, late), self.last_step.1)
+    }
+
+    fn body(&self, body: usize) -> [f64; 2] {
+        let [position, velocity, _] = self.now.of(body);
+        [position, velocity]
     }
 
     fn last_step(&self) -> (f64, f64) {

@@ -142,7 +142,7 @@ impl BenchKnob {
         ),
         Self {
             turning: KnobStep::Decade,
-            ..knob("accuracy", "accuracy", ("", 1.0), None, |s, _| s.accuracy)
+            ..knob("accuracy", "accuracy", ("", 1.0), None, |s, _| Some(s.accuracy))
         },
         knob(
             "scope noise",
