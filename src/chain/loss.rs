@@ -93,6 +93,11 @@ impl ContactLoss {
         self.dashpot > 0.0 || self.power_force > 0.0
     }
 
+    /// Coefficient of each kind (unit).
+    pub fn coefficients(&self) -> LossTerms {
+        [self.dashpot, self.relaxation, self.power_force]
+    }
+
     /// Whether anything is lost at all.
     pub fn is_some(&self) -> bool {
         self.jumps() || self.relaxation > 0.0

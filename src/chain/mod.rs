@@ -27,8 +27,8 @@ mod system;
 
 pub use contact::{Contact, Law};
 pub use effects::{
-    ContactOverride, Dashpot, Effect, EffectsSpec, Gravity, KuwabaraKono, LinearisedContacts,
-    LossSpec, MagnetForce, MagnetLaw, MagnetPreload, PlacedAt, PlacedMagnet, PowerLawLoss,
+    ContactOverride, EffectsSpec, Gravity, LOSS_MODELS, LinearisedContacts, LossKind, LossModel,
+    LossSpec, MagnetForce, MagnetLaw, MagnetPreload, PlacedAt, PlacedMagnet,
 };
 pub use energy::Energy;
 pub use error::ChainError;
@@ -207,16 +207,9 @@ impl Chain {
         Some((magnet.body, magnet.pull.as_ref()?))
     }
 
-    /// Whether its forces are those of elastic contacts and constant loads alone, as the chain's
-    /// own stepper takes them.
+    /// Whether its forces are those of elastic contacts and constant loads alone.
     pub fn is_plain(&self) -> bool {
         !self.is_dissipative() && self.pull().is_none()
-    }
-
-    /// Whether it runs on the vector path: elastic Hertz contacts and constant loads are all there
-    /// is.
-    pub fn runs_on_vectors(&self) -> bool {
-        self.is_plain() && !self.is_linear()
     }
 
     /// Whether its contacts are linearised: all of them are, or none.

@@ -103,6 +103,11 @@ impl ForceProbe {
         self.around.inertia.map(|(inverse_mass, _)| inverse_mass)
     }
 
+    /// A magnet that follows the body above, this one or the one below, by its place among them.
+    pub(super) fn pull(&self) -> Option<&(usize, Pull)> {
+        self.around.pull.as_ref()
+    }
+
     /// Force at static equilibrium (N).
     pub fn static_force(&self) -> f64 {
         self.contacts().iter().zip(self.weights()).map(|(c, w)| w * c.static_force).sum()

@@ -7,7 +7,7 @@
 
 use super::hertz::force_and_tangent;
 use super::simd::{ContactStep, InstructionSet, SampleForces, VectorStepper};
-use super::{Contact, ForceProbe, Law};
+use super::{Contact, ForceProbe, Pull};
 use crate::integrate::hermite::{End, septic_coefficients};
 use crate::integrate::{COEFFICIENTS, Integrator};
 
@@ -25,8 +25,7 @@ pub struct ContactPair([Elastic; 2]);
 /// A contact's force law, and its weight in the probe.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Elastic {
-    law: Law,
-    /// `A` by Hertz (N/m^1.5), linearised the tangent stiffness (N/m).
+    /// `A` (N/m^1.5).
     stiffness: f64,
     /// Square root of the static overlap (m^0.5).
     static_root: f64,
@@ -35,20 +34,14 @@ struct Elastic {
 
 impl Elastic {
     fn new(contact: &Contact, weight: f64) -> Self {
-        let (stiffness, static_root) = match contact.law {
-            Law::Hertz => (contact.stiffness, contact.static_overlap.sqrt()),
-            Law::Linearised => (contact.static_stiffness(), 0.0),
-        };
-        Self { law: contact.law, stiffness, static_root, weight }
+        let (stiffness, _, static_root) = contact.as_hertz();
+        Self { stiffness, static_root, weight }
     }
 
     /// Force change (N) and tangent stiffness (N/m) where the overlap has grown by `change` (m).
     #[inline]
     fn force_and_tangent(&self, change: f64) -> (f64, f64) {
-        match self.law {
-            Law::Hertz => force_and_tangent(self.stiffness, self.static_root, change),
-            Law::Linearised => (self.stiffness * change, self.stiffness),
-        }
+        force_and_tangent(self.stiffness, self.static_root, change)
     }
 }
 
@@ -104,7 +97,7 @@ impl ContactPair {
         let taken = out.len();
         out.resize(taken + count, 0.0);
         let contact = |which: usize| {
-            let Elastic { stiffness, static_root, weight, .. } = self.0[which];
+            let Elastic { stiffness, static_root, weight } = self.0[which];
             ContactStep { overlap: &step.overlaps[which], stiffness, static_root, weight }
         };
         let contacts = [contact(0), contact(1)];
@@ -142,6 +135,8 @@ pub struct ProbeTracker {
     /// The contacts of the neighbourhood: the two of the probe, and the next above and below.
     neighbourhood: [Elastic; 4],
     inverse_masses: [f64; 3],
+    /// A magnet that follows one of the three bodies, by its place among them.
+    pull: Option<(usize, Pull)>,
     /// The five bodies around, from above; none beyond the ends.
     bodies: [Option<usize>; 5],
     /// Overlaps of the probe's contacts at both ends of the last step.
@@ -172,6 +167,7 @@ impl ProbeTracker {
                 .each_ref()
                 .map(|contact| Elastic::new(contact, 1.0)),
             inverse_masses: probe.inverse_masses(),
+            pull: probe.pull().cloned(),
             bodies: std::array::from_fn(body),
             ends: Default::default(),
             forces: Default::default(),
@@ -201,6 +197,10 @@ impl ProbeTracker {
         let mut jerk = [0.0; 3];
         for i in 0..3 {
             jerk[i] = (rates[i] - rates[i + 1]) * self.inverse_masses[i];
+        }
+        if let Some((place, pull)) = &self.pull {
+            let [position, velocity, _] = moving[place + 1];
+            jerk[*place] += pull.slope(position) * velocity * self.inverse_masses[*place];
         }
         let mut end = [[0.0; 4]; 2];
         let mut force = [0.0; 2];

@@ -14,7 +14,7 @@ use super::loss::{ContactLoss, EndOfContact, KINDS, Tangent, Touch};
 use super::magnet::Pull;
 use super::{Chain, Contact, Law};
 use crate::integrate::{
-    Linearised, Motion, Pacing, Scales, Sides, State, Switching, System, Tridiagonal,
+    Linearised, Motion, Scales, Sides, State, Switching, System, Tridiagonal,
 };
 
 /// Accounts behind the bodies of a chain with losses: one a kind of loss, and the energy in
@@ -55,7 +55,7 @@ pub struct ChainSystem {
     pull_slope: f64,
     /// Smallest meaningful overlap scale (m).
     overlap_floor: f64,
-    pacing: Pacing,
+    highest_frequency: f64,
 }
 
 impl ChainSystem {
@@ -80,7 +80,7 @@ impl ChainSystem {
             tangents: vec![Tangent::default(); contacts.len()],
             pull_slope: 0.0,
             overlap_floor: chain.impact_overlap(initial_velocity),
-            pacing: chain.pacing(initial_velocity),
+            highest_frequency: chain.pacing(initial_velocity).frequency,
             contacts,
         }
     }
@@ -96,16 +96,6 @@ impl ChainSystem {
 
     fn touch(&self, j: usize, motion: Motion) -> Touch {
         self.contacts[j].touch(motion.difference, motion.rate, self.closed[j])
-    }
-
-    /// Adds the differences of neighbouring `forces` (N) over the masses.
-    fn add_accelerations(&self, force: impl Fn(usize) -> f64, out: &mut [f64]) {
-        let mut above = force(0);
-        for (i, (out, mass)) in out.iter_mut().zip(&self.masses).enumerate() {
-            let below = force(i + 1);
-            *out += (above - below) / mass;
-            above = below;
-        }
     }
 }
 
@@ -151,21 +141,6 @@ impl System for ChainSystem {
         }
     }
 
-    fn jerks(&mut self, state: &State, jerk: &mut [f64]) -> bool {
-        if self.is_lossy {
-            return false;
-        }
-        let (x, v) = (&state.position, &state.velocity);
-        let rate =
-            |j: usize| self.contacts[j].tangent_stiffness(difference(x, j)) * difference(v, j);
-        jerk.fill(0.0);
-        self.add_accelerations(rate, jerk);
-        if let Some((body, pull)) = &self.pull {
-            jerk[*body] += pull.slope(x[*body]) * v[*body] / self.masses[*body];
-        }
-        true
-    }
-
     fn scales(&self, position: &[f64], velocity: &[f64]) -> Scales {
         let (x, v) = (self.of_bodies(position), self.of_bodies(velocity));
         let contacts = self.contacts.iter().enumerate().filter(|(_, c)| c.stiffness > 0.0);
@@ -186,8 +161,8 @@ impl System for ChainSystem {
         })
     }
 
-    fn pacing(&self, _state: &State) -> Pacing {
-        self.pacing
+    fn highest_frequency(&self, _: &State) -> f64 {
+        self.highest_frequency
     }
 
     fn switching(&mut self) -> Option<&mut dyn Switching> {

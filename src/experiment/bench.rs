@@ -1,9 +1,9 @@
 //! The chain in motion with everything that watches it: pulses, scope samples, truth.
 
 use crate::chain::probe_step::ProbeTracker;
-use crate::chain::simd::{InstructionSet, Refinement, VectorStepper};
+use crate::chain::simd::{InstructionSet, VectorStepper};
 use crate::chain::{Chain, ChainSystem, Dissipated, Energy, ForceProbe};
-use crate::integrate::{IntegrateError, Integrator, Method, State, Work};
+use crate::integrate::{IntegrateError, Integrator, Method, Scheme, State, Work};
 
 use super::extremes::Extremes;
 use super::frames::Frames;
@@ -16,19 +16,21 @@ const SAMPLES_CAPACITY: usize = 1 << 20;
 
 /// The method at work on the chain.
 enum Engine<'a> {
-    /// On the vector path, with a tracker for each watch.
+    /// A method for chains without losses, with a tracker for each watch.
     Vectors(Box<VectorStepper>, Vec<ProbeTracker>),
-    /// Everything else.
+    /// A method for forces that depend on velocities.
     General(Box<dyn Integrator + 'a>),
 }
 
-/// A method at work on a chain, from any state; on the vector path where chain and method allow it.
+/// A method at work on a chain, from any state.
 pub fn start(chain: &Chain, method: Method, state: State) -> Box<dyn Integrator> {
     match method.scheme() {
-        Some(scheme) if chain.runs_on_vectors() => {
+        Scheme::Lossless(scheme) => {
             Box::new(VectorStepper::new(chain, &state, scheme, InstructionSet::best()))
         }
-        _ => method.start(Box::new(ChainSystem::new(chain, &state.velocity)), state),
+        Scheme::General(scheme) => {
+            scheme.start(Box::new(ChainSystem::new(chain, &state.velocity)), state)
+        }
     }
 }
 
@@ -42,14 +44,16 @@ impl<'a> Engine<'a> {
     ) -> Self {
         let state = chain.initial_state(velocities);
         match method.scheme() {
-            Some(scheme) if chain.runs_on_vectors() => {
+            Scheme::Lossless(scheme) => {
                 let stepper = VectorStepper::new(chain, &state, scheme, set);
                 let bodies = chain.bodies().len();
                 let tracker = |probe| ProbeTracker::new(probe, &stepper, bodies);
                 let trackers = probes.iter().map(tracker).collect();
                 Self::Vectors(Box::new(stepper), trackers)
             }
-            _ => Self::General(method.start(Box::new(ChainSystem::new(chain, velocities)), state)),
+            Scheme::General(scheme) => {
+                Self::General(scheme.start(Box::new(ChainSystem::new(chain, velocities)), state))
+            }
         }
     }
 
@@ -176,15 +180,6 @@ impl<'a> Bench<'a> {
             }
         }
         Ok(())
-    }
-
-    /// The bench, not yet run, without one of the vector path's refinements; what does not run
-    /// there has none.
-    pub fn without(mut self, refinement: Refinement) -> Self {
-        if let Engine::Vectors(stepper, trackers) = self.engine {
-            self.engine = Engine::Vectors(Box::new(stepper.without(refinement)), trackers);
-        }
-        self
     }
 
     /// The grid on which forces are sampled.

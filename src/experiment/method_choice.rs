@@ -2,7 +2,7 @@
 //! scene allows.
 
 use super::error::{MAX_STEPS, RunError};
-use crate::chain::{Chain, Contact, Effect};
+use crate::chain::{Chain, Contact, LOSS_MODELS};
 use crate::integrate::Method;
 use crate::scene::Scene;
 
@@ -25,9 +25,6 @@ const LOSS_MARGIN: f64 = 16.0;
 /// The same for the implicit method: errors were up to 5.8 times what a step tolerates (Kuwabara
 /// and Kono's losses at 2e-3, 400 accuracies) (1).
 const STIFF_LOSS_MARGIN: f64 = 8.0;
-/// The same for lossless chains under a magnet that follows its particle, where openings are not
-/// corrected: errors were up to 23 times what a step tolerates (600 accuracies of two scenes) (1).
-const UNCORRECTED_MARGIN: f64 = 48.0;
 /// Steps of two lengths are made for the accuracy asked divided by this: first peaks were off by up
 /// to 1.13 times what they are made for, in 256 scenes from 2e-4 to 1e-3
 /// (`tests/it/vector_path.rs`) (1).
@@ -91,10 +88,8 @@ fn two_step(chain: &Chain, accuracy: f64) -> Option<Method> {
 
 /// The method with error control that serves `accuracy` (1).
 pub fn controlled_for(chain: &Chain, velocities: &[f64], accuracy: f64) -> Method {
-    if chain.is_plain() {
+    if !chain.is_dissipative() {
         for_accuracy(accuracy)
-    } else if !chain.is_dissipative() {
-        for_accuracy(accuracy / UNCORRECTED_MARGIN)
     } else if accuracy > LOOSE_ACCURACY || chain.largest_damping(velocities) > STIFF_DAMPING {
         Method::Rodas { tolerance: accuracy / STIFF_LOSS_MARGIN }
     } else {
@@ -126,13 +121,9 @@ fn refuse(scene: &Scene, method: Method) -> Result<(), RunError> {
         return if method.suits(false) { Ok(()) } else { Err(refused) };
     }
     if !method.allows_losses() {
-        let effects = &scene.spec.effects;
-        let named = [
-            effects.dashpot.as_ref().map(Effect::name),
-            effects.kuwabara_kono.as_ref().map(Effect::name),
-            effects.power_law_loss.as_ref().map(Effect::name),
-        ];
-        let losses: Vec<&str> = named.into_iter().flatten().collect();
+        let losses = LOSS_MODELS.iter().zip(&scene.spec.effects.losses);
+        let losses: Vec<&str> =
+            losses.filter(|(_, spec)| spec.is_some()).map(|(model, _)| model.name).collect();
         let (method, losses) = (method.name(), losses.join(", "));
         return Err(RunError::NotForLosses { method, losses, expected: FOR_LOSSES });
     }

@@ -300,12 +300,9 @@ pub struct TriggerReport {
 
 /// Names and settings of all effects that were on: the chain's, then those of sensors and scope.
 pub fn effects(scene: &Scene) -> Vec<(String, String)> {
-    let mut effects: Vec<(String, String)> = scene
-        .spec
-        .effects
-        .active()
-        .map(|effect| (effect.name().to_owned(), effect.summary()))
-        .collect();
+    let settings = scene.spec.effects.settings().into_iter();
+    let mut effects: Vec<(String, String)> =
+        settings.map(|(name, set)| (name.to_owned(), set)).collect();
     if let Some((magnet, pull)) = scene.chain.magnet().and_then(|m| Some((m, m.pull.as_ref()?)))
         && let Some((_, set)) = effects.iter_mut().find(|(name, _)| name == "magnet_preload")
     {

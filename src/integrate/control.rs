@@ -1,6 +1,5 @@
-//! Step size control from the estimated local error, shared by all methods that estimate one.
+//! The choice of steps: fixed ones, or control by the estimated local error; shared by all methods.
 
-use super::splitting::REMAINDER;
 use super::{IntegrateError, Scales, State, System};
 
 /// A step is chosen to meet the tolerance with this margin (1).
@@ -12,6 +11,57 @@ const LARGEST_CHANGE: f64 = 5.0;
 /// Shortest step, in multiples of the rounding error of the time. A shorter one, shrunk by
 /// [`SAFETY`] after a rejection, could round to the same step, and the run would never end (1).
 const SHORTEST: f64 = 4.0;
+
+/// A rest of an interval shorter than this share of a step is part of the step (1).
+pub const REMAINDER: f64 = 1e-6;
+
+/// Fixed steps: their ends are `origin + count * step`, never a running sum; the end of an interval
+/// starts a new count.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Clock {
+    step: f64,
+    origin: f64,
+    count: u64,
+    /// Ends of the first step's parts that are still to come (1).
+    cuts: &'static [f64],
+}
+
+impl Clock {
+    /// Steps of `step` (s) from `origin` (s) on, the first one in parts that end at `cuts` (1).
+    pub fn new(step: f64, origin: f64, cuts: &'static [f64]) -> Self {
+        Self { step, origin, count: 0, cuts }
+    }
+
+    /// Starts anew at `time` (s).
+    pub fn restart(&mut self, time: f64) {
+        (self.origin, self.count) = (time, 0);
+    }
+
+    /// Length of the next step from `time` on, and where it ends, not beyond `end` (s).
+    pub fn next(&mut self, time: f64, end: f64) -> (f64, f64) {
+        if let Some((cut, rest)) = self.cuts.split_first() {
+            let next = self.origin + cut * self.step;
+            if self.is_before(next, end) {
+                (self.cuts, self.count) = (rest, u64::from(rest.is_empty()));
+                return (next - time, next);
+            }
+        } else {
+            let next = self.origin + (self.count + 1) as f64 * self.step;
+            if self.is_before(next, end) {
+                self.count += 1;
+                return (self.step, next);
+            }
+        }
+        (self.origin, self.count, self.cuts) = (end, 0, &[]);
+        (end - time, end)
+    }
+
+    /// Whether a step that ends at `time` (s) leaves some of the interval; what is nothing but the
+    /// rounding of the times is taken along, not stepped over on its own.
+    fn is_before(&self, time: f64, end: f64) -> bool {
+        time + REMAINDER * self.step < end
+    }
+}
 
 /// State of the step size controller.
 #[derive(Debug, Clone)]
@@ -114,7 +164,7 @@ pub fn first_step(scales: Scales, frequency: f64) -> f64 {
 /// The first step of `system` from `state` on (s).
 pub fn first_step_of(system: &dyn System, state: &State) -> f64 {
     let scales = system.scales(&state.position, &state.velocity);
-    first_step(scales, system.pacing(state).frequency)
+    first_step(scales, system.highest_frequency(state))
 }
 
 /// Largest of the errors of a position (m) and a velocity (m/s) relative to `scales`; infinite

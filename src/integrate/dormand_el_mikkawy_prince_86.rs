@@ -1,12 +1,39 @@
 //! Dormand, El-Mikkawy and Prince's Runge-Kutta-Nystrom pair of orders 8(6), "RKN 8(6) 9FM".
 //!
-//! The last stage stands at the new position and opens the next step, so a step costs 8
+//! Stages are at `x + c h v + h^2 sum a f`; the step ends at `x + h v + h^2 sum b f`,
+//! `v + h sum b' f`. The error estimate is the difference from the embedded solution, in position
+//! and in velocity. The last stage is at the new position and opens the next step, so a step costs 8
 //! evaluations. Forces must not depend on velocity. `tests/it/order.rs` measures the order; a
 //! mistyped digit would break it.
 
 #![allow(clippy::unreadable_literal, reason = "digits as published, divided out")]
 
-use super::nystrom::NystromPair;
+use super::runge_kutta::Row;
+
+/// Coefficients of a pair whose last stage opens the next step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NystromPair {
+    /// Name as written in scenes, options and recordings.
+    pub name: &'static str,
+    /// Publication that defines the method.
+    pub source: &'static str,
+    /// Order of the solution that is continued.
+    pub order: u8,
+    /// Order of the embedded solution.
+    pub error_order: u8,
+    /// Times of the stages, fractions of a step (1).
+    pub nodes: &'static [f64],
+    /// Position weights of each stage's argument.
+    pub stages: &'static [Row],
+    /// Position weights of the solution.
+    pub position: Row,
+    /// Velocity weights of the solution.
+    pub velocity: Row,
+    /// Position weights of the error.
+    pub position_error: Row,
+    /// Velocity weights of the error.
+    pub velocity_error: Row,
+}
 
 /// The pair's coefficients: a constant, so that loops can be compiled for them.
 pub const DORMAND_EL_MIKKAWY_PRINCE_86: NystromPair = NystromPair {

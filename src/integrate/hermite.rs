@@ -4,8 +4,39 @@
 //! septic. Errors go as the step to the power 6 and 8, with the small constants `1/(6! 2^6)` and
 //! `1/(8! 2^8)` at mid-step. Source: C. Hermite, J. reine angew. Math. 84, 70 (1878).
 
-use super::interpolant::{COEFFICIENTS, Interpolant};
-use super::{State, System};
+use super::State;
+
+/// Highest degree of an interpolating polynomial, plus one.
+pub const COEFFICIENTS: usize = 8;
+
+/// Position and velocity over a step as polynomials in the fraction `theta` of the step, 0 to 1:
+/// `x = sum_k position[k] theta^k`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Interpolant {
+    /// Coefficients of the displacement (m).
+    pub position: [f64; COEFFICIENTS],
+    /// Coefficients of the velocity (m/s).
+    pub velocity: [f64; COEFFICIENTS],
+}
+
+impl Interpolant {
+    /// A body that does not move: walls.
+    pub const REST: Self = Self { position: [0.0; COEFFICIENTS], velocity: [0.0; COEFFICIENTS] };
+
+    /// Displacement at the fraction `theta` of the step (m).
+    pub fn position(&self, theta: f64) -> f64 {
+        horner(&self.position, theta)
+    }
+
+    /// Velocity at the fraction `theta` of the step (m/s).
+    pub fn velocity(&self, theta: f64) -> f64 {
+        horner(&self.velocity, theta)
+    }
+}
+
+fn horner(coefficients: &[f64; COEFFICIENTS], theta: f64) -> f64 {
+    coefficients.iter().rev().fold(0.0, |sum, c| sum * theta + c)
+}
 
 /// What is known of one body at one end of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,41 +49,15 @@ pub struct End {
     pub acceleration: f64,
 }
 
-/// A step between two states, with the accelerations there (m/s²) and, where they are known, their
-/// rates.
-pub struct Between<'a> {
-    /// State and accelerations at the start.
-    pub from: (&'a State, &'a [f64]),
-    /// State and accelerations at the end.
-    pub to: (&'a State, &'a [f64]),
-    /// Rates of the accelerations at both (m/s^3).
-    pub jerks: Option<&'a [Vec<f64>; 2]>,
-}
-
-impl Between<'_> {
-    /// The motion of `body`: a septic where jerks are known, a quintic where not.
-    pub fn interpolant(&self, body: usize) -> Interpolant {
-        let at = |values: &[f64]| values.get(body).copied().unwrap_or(0.0);
-        let end = |(state, acceleration): (&State, &[f64])| End {
-            position: at(&state.position),
-            velocity: at(&state.velocity),
-            acceleration: at(acceleration),
-        };
-        let (from, to, length) = (end(self.from), end(self.to), self.to.0.time - self.from.0.time);
-        match self.jerks {
-            Some([before, after]) => septic(from, to, (at(before), at(after)), length),
-            None => quintic(from, to, length),
-        }
-    }
-}
-
-/// Has `system` write the jerks at both ends of a step; where it does not know them they are given
-/// up.
-pub fn find_jerks(system: &mut dyn System, ends: [&State; 2], jerks: &mut Option<[Vec<f64>; 2]>) {
-    let Some(room) = jerks else { return };
-    if !ends.into_iter().zip(room).all(|(state, jerk)| system.jerks(state, jerk)) {
-        *jerks = None;
-    }
+/// The motion of `body` between two states with their accelerations (m/s²): a quintic.
+pub fn between(from: (&State, &[f64]), to: (&State, &[f64]), body: usize) -> Interpolant {
+    let at = |values: &[f64]| values.get(body).copied().unwrap_or(0.0);
+    let end = |(state, acceleration): (&State, &[f64])| End {
+        position: at(&state.position),
+        velocity: at(&state.velocity),
+        acceleration: at(acceleration),
+    };
+    quintic(end(from), end(to), to.0.time - from.0.time)
 }
 
 /// The quintic through both ends of a step of `length` (s).

@@ -6,31 +6,19 @@
 
 pub mod control;
 pub mod dormand_el_mikkawy_prince_86;
-pub mod dormand_prince_54;
-pub mod dormand_prince_853;
-pub mod force_gradient;
 pub mod hermite;
-pub mod interpolant;
-mod linearised;
 mod method;
-pub mod nystrom;
 pub mod rodas;
 pub mod runge_kutta;
-pub mod runge_kutta_4;
-mod scheme;
 pub mod splitting;
-pub mod stages;
-pub mod switches;
 pub mod switching;
+pub mod tableaus;
 pub mod two_step;
-pub mod velocity_verlet;
 
-pub use interpolant::{COEFFICIENTS, Interpolant};
-pub use linearised::{Linearised, Tridiagonal};
-pub use method::Method;
-pub use rodas::Rodas;
-pub use scheme::Scheme;
-pub use switches::{Motion, Sides, Switching};
+pub use hermite::{COEFFICIENTS, Interpolant};
+pub use method::{GeneralScheme, LosslessScheme, Method, Scheme};
+pub use rodas::{Linearised, Rodas, Tridiagonal};
+pub use switching::{Motion, Sides, Switching};
 pub use two_step::Pacing;
 
 /// A mechanical system of `len` coordinates.
@@ -46,13 +34,6 @@ pub trait System {
     /// Writes the accelerations (m/s²) for the given positions (m) and velocities (m/s).
     fn accelerations(&mut self, position: &[f64], velocity: &[f64], acceleration: &mut [f64]);
 
-    /// Writes the rates of the accelerations (m/s³) and returns true, or false where they are not
-    /// known.
-    fn jerks(&mut self, state: &State, jerk: &mut [f64]) -> bool {
-        let _ = (state, jerk);
-        false
-    }
-
     /// The distance (m) and speed (m/s) to which a relative error in this state refers: what the
     /// user reads is a contact's overlap, not the drift of the whole chain.
     fn scales(&self, position: &[f64], velocity: &[f64]) -> Scales;
@@ -64,11 +45,11 @@ pub trait System {
         false
     }
 
-    /// What decides on the length of steps of two lengths from `state` on; by default, speeds
-    /// change distances in a radian.
-    fn pacing(&self, state: &State) -> Pacing {
+    /// Highest angular frequency, or a bound of it, which decides on the first step: by default,
+    /// speeds change distances in a radian (1/s).
+    fn highest_frequency(&self, state: &State) -> f64 {
         let Scales { position, velocity } = self.scales(&state.position, &state.velocity);
-        Pacing { frequency: velocity / position, stiff: None }
+        velocity / position
     }
 
     /// Its switches, if its law has any.

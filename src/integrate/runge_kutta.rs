@@ -8,15 +8,12 @@
 //! Source: E. Hairer, S. P. Norsett, G. Wanner, "Solving Ordinary Differential Equations I"
 //! (Springer, 1993), II.5, II.6.
 
-use super::control::{StepControl, add_compensated, first_step_of, largest, relative_error};
-use super::hermite::Between;
-use super::interpolant::COEFFICIENTS;
-use super::splitting::REMAINDER;
-use super::stages::{Row, add_up};
-use super::switches::Restart;
-use super::{
-    IntegrateError, Integrator, Interpolant, Scales, State, System, Work, first_not_finite,
+use super::control::{
+    Clock, StepControl, add_compensated, first_step_of, largest, relative_error,
 };
+use super::hermite::{COEFFICIENTS, Interpolant, between};
+use super::switching::Restart;
+use super::{IntegrateError, Integrator, Scales, State, System, Work, first_not_finite};
 
 /// Across a kink both embedded solutions are of the same low order, and either's error may vanish
 /// for some place of the kink within the step, but not both at once: with this share of the third
@@ -24,6 +21,30 @@ use super::{
 /// blend made for smooth steps let 1 run in 100 pass that erred by more than 32 times as much, up
 /// to 540 (150 tolerances up to 6e-5 of 20 scenes with losses that are not stiff) (1).
 const THIRD_ORDER_SHARE_AT_KINKS: f64 = 0.1;
+
+/// Terms of a weighted sum: stage and weight (1).
+pub type Row = &'static [(usize, f64)];
+
+/// Terms that are added in one pass.
+const AT_ONCE: usize = 4;
+
+/// `out = sum of weight * of(stage)`, added up in the order of the terms.
+pub fn add_up<'a>(weights: Row, of: impl Fn(usize) -> &'a [f64], out: &mut [f64]) {
+    out.fill(0.0);
+    let (passes, rest) = weights.as_chunks::<AT_ONCE>();
+    for pass in passes {
+        let [a, b, c, d] = pass.map(|(stage, _)| of(stage));
+        let [wa, wb, wc, wd] = pass.map(|(_, weight)| weight);
+        for ((sum, (a, b)), (c, d)) in out.iter_mut().zip(a.iter().zip(b)).zip(c.iter().zip(d)) {
+            *sum = *sum + wa * a + wb * b + wc * c + wd * d;
+        }
+    }
+    for (stage, weight) in rest {
+        for (sum, value) in out.iter_mut().zip(of(*stage)) {
+            *sum += weight * value;
+        }
+    }
+}
 
 /// How a method estimates the error of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,17 +88,10 @@ pub struct RungeKutta {
 }
 
 /// How steps are chosen.
-enum Pace {
-    /// Time is `origin + count * step`, never a running sum; an interval's end starts a new count.
-    Fixed {
-        step: f64,
-        origin: f64,
-        count: u64,
-    },
-    Controlled {
-        control: StepControl,
-        tolerance: f64,
-    },
+enum Steps {
+    Fixed(Clock),
+    /// By the error, and the tolerated error of a step (1).
+    Controlled(StepControl, f64),
 }
 
 /// Rates of positions (m/s) and velocities (m/s²) at a stage.
@@ -93,7 +107,7 @@ pub struct RungeKuttaIntegrator<'a> {
     stages: Vec<Rates>,
     lost: Rates,
     scales: Scales,
-    pace: Pace,
+    steps: Steps,
     work: Work,
 }
 
@@ -109,10 +123,13 @@ impl<'a> RungeKuttaIntegrator<'a> {
         let n = system.len();
         let zero = [vec![0.0; n], vec![0.0; n]];
         let scales = system.scales(&state.position, &state.velocity);
-        let pace = match method.error {
-            StepError::None => Pace::Fixed { step: setting, origin: state.time, count: 0 },
-            StepError::Embedded(_, order) => controlled(system.as_ref(), &state, order, setting),
-            StepError::Blended(_) => controlled(system.as_ref(), &state, 7, setting),
+        let first = || first_step_of(system.as_ref(), &state);
+        let steps = match method.error {
+            StepError::None => Steps::Fixed(Clock::new(setting, state.time, &[])),
+            StepError::Embedded(_, order) => {
+                Steps::Controlled(StepControl::new(first(), order), setting)
+            }
+            StepError::Blended(_) => Steps::Controlled(StepControl::new(first(), 7), setting),
         };
         let further = method.dense.map_or(0, |dense| dense.stages.len());
         let mut started = Self {
@@ -123,7 +140,7 @@ impl<'a> RungeKuttaIntegrator<'a> {
             lost: zero,
             work: Work::default(),
             scales,
-            pace,
+            steps,
             system,
             state,
         };
@@ -214,15 +231,8 @@ impl<'a> RungeKuttaIntegrator<'a> {
     }
 
     fn fixed(&mut self, end: f64) -> Result<(), IntegrateError> {
-        let Pace::Fixed { step, origin, count } = &mut self.pace else { return Ok(()) };
-        let regular = *origin + (*count + 1) as f64 * *step;
-        let next = if regular + REMAINDER * *step < end {
-            *count += 1;
-            regular
-        } else {
-            (*origin, *count) = (end, 0);
-            end
-        };
+        let Steps::Fixed(clock) = &mut self.steps else { return Ok(()) };
+        let (_, next) = clock.next(self.state.time, end);
         let h = next - self.state.time;
         self.evaluate_stages(h);
         self.accept(h, next);
@@ -234,14 +244,14 @@ impl<'a> RungeKuttaIntegrator<'a> {
 
     fn controlled(&mut self, end: f64) -> Result<(), IntegrateError> {
         loop {
-            let Pace::Controlled { control, tolerance } = &self.pace else { return Ok(()) };
+            let Steps::Controlled(control, tolerance) = &self.steps else { return Ok(()) };
             let tolerance = *tolerance;
             let trial = control.trial(self.state.time, end)?;
             self.evaluate_stages(trial.length);
             let error = self.error(trial.length, tolerance);
             let stages = &self.stages;
             let lost = || stages.iter().find_map(|[v, a]| first_not_finite(v, a)).unwrap_or(0);
-            let Pace::Controlled { control, .. } = &mut self.pace else { return Ok(()) };
+            let Steps::Controlled(control, _) = &mut self.steps else { return Ok(()) };
             if control.accepts(trial, error, lost) {
                 self.accept(trial.length, trial.next);
                 return Ok(());
@@ -264,9 +274,9 @@ impl Integrator for RungeKuttaIntegrator<'_> {
         let solution = self.solution();
         self.stages.swap(0, solution);
         self.previous.clone_from(&self.state);
-        match self.pace {
-            Pace::Fixed { .. } => self.fixed(end),
-            Pace::Controlled { .. } => self.controlled(end),
+        match self.steps {
+            Steps::Fixed(_) => self.fixed(end),
+            Steps::Controlled(..) => self.controlled(end),
         }
     }
 
@@ -282,7 +292,7 @@ impl Integrator for RungeKuttaIntegrator<'_> {
         let Some(dense) = self.method.dense else {
             let from = (&self.previous, &self.stages[0][1][..]);
             let to = (&self.state, &self.stages[self.solution()][1][..]);
-            return Between { from, to, jerks: None }.interpolant(body);
+            return between(from, to, body);
         };
         let h = self.state.time - self.previous.time;
         let coefficients = |part: usize, [from, to]: [f64; 2]| {
@@ -326,16 +336,16 @@ impl Restart for RungeKuttaIntegrator<'_> {
     fn restart(&mut self, state: &State) {
         self.state.clone_from(state);
         self.lost.iter_mut().for_each(|lost| lost.fill(0.0));
-        if let Pace::Fixed { origin, count, .. } = &mut self.pace {
-            (*origin, *count) = (state.time, 0);
+        if let Steps::Fixed(clock) = &mut self.steps {
+            clock.restart(state.time);
         }
         self.open();
     }
 
     fn tolerated(&self) -> f64 {
-        match self.pace {
-            Pace::Fixed { .. } => 0.0,
-            Pace::Controlled { tolerance, .. } => tolerance * self.scales.velocity,
+        match self.steps {
+            Steps::Fixed(_) => 0.0,
+            Steps::Controlled(_, tolerance) => tolerance * self.scales.velocity,
         }
     }
 }
@@ -343,11 +353,6 @@ impl Restart for RungeKuttaIntegrator<'_> {
 /// `out = sum of weight * stages[stage][part]`.
 fn combine(weights: Row, stages: &[Rates], part: usize, out: &mut [f64]) {
     add_up(weights, |stage| &stages[stage][part], out);
-}
-
-fn controlled(system: &dyn System, state: &State, error_order: u8, tolerance: f64) -> Pace {
-    let control = StepControl::new(first_step_of(system, state), error_order);
-    Pace::Controlled { control, tolerance }
 }
 
 /// From the nested form `y0 + t(f0 + s(f1 + t(f2 + s(...))))`, `s = 1 - t`, to powers of `t`.

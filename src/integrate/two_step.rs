@@ -7,7 +7,7 @@
 //! within a short one or has closed within it as long as that: steps end close to the places where
 //! its force has no second derivative. What decides is the state where a step begins.
 
-use super::splitting::REMAINDER;
+use super::control::REMAINDER;
 
 /// Name of the splitting with force gradients in such steps, as written in options and recordings.
 pub const NAME: &str = "two-step-force-gradient";
@@ -47,19 +47,6 @@ pub struct StiffContact {
     pub static_overlap: f64,
     /// Angular frequency of its two bodies on it (1/s).
     pub frequency: f64,
-}
-
-impl StiffContact {
-    /// How it moves in a system with these positions (m), velocities (m/s) and accelerations
-    /// (m/s²).
-    pub fn motion(&self, [position, velocity, acceleration]: [&[f64]; 3]) -> ContactMotion {
-        let across = |values: &[f64]| {
-            let [above, below] = self.bodies.map(|body| body.and_then(|body| values.get(body)));
-            above.copied().unwrap_or(0.0) - below.copied().unwrap_or(0.0)
-        };
-        let overlap = self.static_overlap + across(position);
-        ContactMotion { overlap, closing: across(velocity), bend: across(acceleration) }
-    }
 }
 
 /// How a contact moves.

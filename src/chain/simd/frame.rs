@@ -4,7 +4,7 @@
     reason = "the code has to be inlined into functions compiled for the instruction set"
 )]
 
-use super::rows::{ChainRows, Motion, Touch, Visit, rates, sweep};
+use super::rows::{ChainRows, Motion, Touch, Visit, place, rates, sweep};
 use super::vector::{Kernel, Row, Simd, Vector};
 use crate::integrate::hermite::septic_weights;
 
@@ -32,6 +32,10 @@ impl Kernel for Frame<'_> {
         for (motion, jerk) in ends.iter().zip(jerks.iter_mut()) {
             let known = (&motion.tangent[..live], &motion.velocity[..live]);
             rates(simd, chain, live, known, jerk);
+            if let Some((body, by_pull)) = chain.jerk_by_pull(motion) {
+                let (row, lane) = place(body);
+                jerk[row].0[lane] += by_pull;
+            }
         }
         let weights = septic_weights(theta, h);
         sweep(simd, chain, live, &mut Interpolated { ends, jerks, weights, positions, forces });

@@ -1,10 +1,10 @@
-//! The vector path: chains of elastic Hertz contacts under constant loads, eight contacts at a
-//! time.
+//! The kernel for chains without losses, eight contacts at a time: Hertz contacts or springs under
+//! constant loads, and a magnet that follows its particle.
 //!
 //! `vector` is the arithmetic of an instruction set, `rows` the chain's layout and the sweep over
 //! its contacts, `rkn86` and `splitting` the steps of the two methods, `opening` the correction
-//! where contacts open or close, `stepper` the integrator. Everything else runs on
-//! [`crate::integrate`]'s own methods.
+//! where contacts open or close, `stepper` the integrator. Chains with losses are
+//! integrated by [`crate::integrate`]'s methods for forces that depend on velocities.
 
 mod frame;
 mod opening;
@@ -16,5 +16,5 @@ mod stepper;
 mod vector;
 
 pub use samples::{ContactStep, SampleForces};
-pub use stepper::{Refinement, VectorStepper};
+pub use stepper::VectorStepper;
 pub use vector::{InstructionSet, Kernel, Row, Simd, VARIABLE, Vector};

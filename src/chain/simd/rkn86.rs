@@ -12,7 +12,7 @@
 use super::rows::{ChainRows, Motion, Touch, Visit, sweep};
 use super::vector::{Kernel, Row, Simd, Vector};
 use crate::integrate::dormand_el_mikkawy_prince_86::DORMAND_EL_MIKKAWY_PRINCE_86 as PAIR;
-use crate::integrate::stages::Row as Terms;
+use crate::integrate::runge_kutta::Row as Terms;
 
 /// Stages of the pair.
 pub const STAGES: usize = 9;

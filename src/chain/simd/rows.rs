@@ -11,7 +11,7 @@
 )]
 
 use super::vector::{Row, Simd, Vector, WIDTH};
-use crate::chain::Chain;
+use crate::chain::{Chain, Pull};
 
 /// Below this an overlap counts as zero in the square root (m).
 const SMALLEST_OVERLAP: f64 = 1e-200;
@@ -31,6 +31,8 @@ pub struct ChainRows {
     pub inverse_mass: Vec<Row>,
     /// Acceleration of each body that statics does not balance: the striker's free fall (m/s²).
     pub residual: Vec<Row>,
+    /// A magnet that follows the body of this index.
+    pull: Option<(usize, Pull)>,
 }
 
 /// Row and lane of entry `index`.
@@ -53,7 +55,7 @@ pub fn difference(rows: &[Row], contact: usize) -> f64 {
 }
 
 impl ChainRows {
-    /// The rows of `chain`, whose contacts follow Hertz's law without losses.
+    /// The rows of `chain`, whose contacts have no losses.
     pub fn new(chain: &Chain) -> Self {
         let rows = chain.contacts().len().div_ceil(WIDTH);
         let empty = || vec![Row::default(); rows];
@@ -64,12 +66,14 @@ impl ChainRows {
             exists: empty(),
             inverse_mass: empty(),
             residual: empty(),
+            pull: chain.pull().map(|(body, pull)| (body, pull.clone())),
         };
         for (j, contact) in chain.contacts().iter().enumerate() {
             let (row, lane) = place(j);
-            out.stiffness[row].0[lane] = contact.stiffness;
-            out.static_overlap[row].0[lane] = contact.static_overlap;
-            out.static_root[row].0[lane] = contact.static_overlap.sqrt();
+            let (stiffness, static_overlap, static_root) = contact.as_hertz();
+            out.stiffness[row].0[lane] = stiffness;
+            out.static_overlap[row].0[lane] = static_overlap;
+            out.static_root[row].0[lane] = static_root;
             out.exists[row].0[lane] = if contact.stiffness > 0.0 { 1.0 } else { 0.0 };
         }
         for (i, (body, residual)) in chain.bodies().iter().zip(chain.residual.iter()).enumerate() {
@@ -83,6 +87,23 @@ impl ChainRows {
     /// Number of rows.
     pub fn len(&self) -> usize {
         self.stiffness.len()
+    }
+
+    /// The acceleration that the magnet adds to one of the bodies of row `row`, which are at
+    /// `position` (m): the lane of the body, and how much (m/s²).
+    fn pull_on(&self, row: usize, position: impl FnOnce() -> Row) -> Option<(usize, f64)> {
+        let (body, pull) = self.pull.as_ref()?;
+        let (its_row, lane) = place(*body);
+        (its_row == row)
+            .then(|| (lane, pull.change(position().0[lane]) * self.inverse_mass[row].0[lane]))
+    }
+
+    /// The rate at which the magnet changes the acceleration of its body in `motion`, and the body
+    /// (m/s³).
+    pub fn jerk_by_pull(&self, motion: &Motion) -> Option<(usize, f64)> {
+        let (body, pull) = self.pull.as_ref()?;
+        let [position, velocity, _] = motion.of(*body);
+        Some((*body, pull.slope(position) * velocity * entry(&self.inverse_mass, *body)))
     }
 }
 
@@ -161,9 +182,9 @@ pub trait Visit<S: Simd> {
 
 /// Computes all contacts and bodies of the first `live` rows, from top to bottom.
 #[inline(always)]
-pub fn sweep<S: Simd>(simd: S, chain: &ChainRows, live: usize, visit: &mut impl Visit<S>) {
+pub fn sweep<S: Simd>(simd: S, rows: &ChainRows, live: usize, visit: &mut impl Visit<S>) {
     let none = simd.splat(0.0);
-    let chain = Live::new(chain, live);
+    let chain = Live::new(rows, live);
     let (mut above, mut force) = (none, none);
     for r in 0..live {
         let here = visit.positions(simd, r);
@@ -172,13 +193,30 @@ pub fn sweep<S: Simd>(simd: S, chain: &ChainRows, live: usize, visit: &mut impl 
         let found = force_change(simd, stiffness, statics, here.shift_up(above) - here);
         visit.contacts(simd, r, &found);
         if let Some(body) = r.checked_sub(1) {
-            visit.bodies(body, accelerations(simd, chain, body, force, found.force));
+            let own = accelerations(simd, chain, body, force, found.force);
+            visit.bodies(body, pulled(simd, rows, body, above, own));
         }
         (above, force) = (here, found.force);
     }
     if let Some(body) = live.checked_sub(1) {
-        visit.bodies(body, accelerations(simd, chain, body, force, none));
+        let own = accelerations(simd, chain, body, force, none);
+        visit.bodies(body, pulled(simd, rows, body, above, own));
     }
+}
+
+/// Accelerations of row `r` at these positions (m), with that of a magnet if it follows one of the
+/// bodies (m/s²).
+#[inline(always)]
+fn pulled<S: Simd>(simd: S, rows: &ChainRows, r: usize, position: S::V, own: S::V) -> S::V {
+    let stored = |values: S::V| {
+        let mut row = Row::default();
+        values.store(&mut row);
+        row
+    };
+    let Some((lane, added)) = rows.pull_on(r, || stored(position)) else { return own };
+    let mut row = stored(own);
+    row.0[lane] += added;
+    simd.load(&row)
 }
 
 /// Accelerations of row `r` between the forces of its contacts and those of the row below (m/s²).
@@ -260,7 +298,9 @@ impl Motion {
         let rate = |contact: usize| {
             1.5 * entry(&self.tangent, contact) * difference(&self.velocity, contact)
         };
-        (rate(body) - rate(body + 1)) * entry(&chain.inverse_mass, body)
+        let by_pull = chain.jerk_by_pull(self).filter(|(pulled, _)| *pulled == body);
+        let by_contacts = (rate(body) - rate(body + 1)) * entry(&chain.inverse_mass, body);
+        by_contacts + by_pull.map_or(0.0, |(_, jerk)| jerk)
     }
 
     /// First body whose position or velocity is not finite.

@@ -1,4 +1,4 @@
-//! A chain of elastic contacts at work under a method for forces that depend on positions alone.
+//! A chain without losses at work under a method for forces that depend on positions alone.
 
 use super::frame::Frame;
 use super::opening::correct;
@@ -7,12 +7,13 @@ use super::rows::{ChainRows, Motion, place};
 use super::splitting::Step;
 use super::vector::{InstructionSet, Row, WIDTH};
 use crate::chain::Chain;
-use crate::integrate::control::{StepControl, first_step, relative_error};
-use crate::integrate::force_gradient::FORCE_GRADIENT;
+use crate::integrate::control::{Clock, StepControl, first_step, relative_error};
 use crate::integrate::hermite::{End, septic};
-use crate::integrate::splitting::{Clock, Splitting};
+use crate::integrate::splitting::{FORCE_GRADIENT, Splitting};
 use crate::integrate::two_step::{self, ContactMotion, NO_CONTACT, StiffContact, TwoStep};
-use crate::integrate::{IntegrateError, Integrator, Interpolant, Scales, Scheme, State, Work};
+use crate::integrate::{
+    IntegrateError, Integrator, Interpolant, LosslessScheme, Scales, State, Work,
+};
 
 /// Rows at rest that are kept in the sweep behind the last one that moves: within a step motion
 /// spreads by a contact a stage, of which there are fewer than in these.
@@ -32,15 +33,6 @@ const UNMOVED_SHARE: f64 = 0.03;
 /// Longest step that error control accepts, in terms of the fastest oscillation (rad).
 const CONTROLLED_PHASE: f64 = 8.0 * std::f64::consts::PI / 15.0;
 
-/// What the stepper does beside its method; to be left out for comparison only.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Refinement {
-    /// The correction at contact opening and closing.
-    OpeningCorrection,
-    /// Rows ahead of the wave, where nothing has moved yet, are left out of the sweep.
-    ActiveWindow,
-}
-
 /// How steps are chosen.
 enum Drive {
     Nystrom(Box<Nystrom>),
@@ -55,10 +47,9 @@ struct Nystrom {
     /// Largest overlap change and speed so far: errors are relative to them.
     scales: Scales,
     trial: Trial,
-    corrects: bool,
 }
 
-/// An integrator of a chain of elastic contacts.
+/// An integrator of a chain without losses.
 pub struct VectorStepper {
     set: InstructionSet,
     chain: ChainRows,
@@ -87,7 +78,7 @@ pub struct VectorStepper {
 impl VectorStepper {
     /// Starts `scheme` on `chain` at `state`. Errors that the pair tolerates are relative to the
     /// largest overlap change and speed so far.
-    pub fn new(chain: &Chain, state: &State, scheme: Scheme, set: InstructionSet) -> Self {
+    pub fn new(chain: &Chain, state: &State, scheme: LosslessScheme, set: InstructionSet) -> Self {
         let rows = ChainRows::new(chain);
         let mut now = Motion::at_rest(rows.len());
         let bodies = chain.bodies().len();
@@ -110,24 +101,24 @@ impl VectorStepper {
         let pacing = chain.pacing(&state.velocity);
         let fastest = pacing.stiff.map_or(0.0, |stiff| stiff.frequency).max(pacing.frequency);
         let max_phase = match scheme {
-            Scheme::Nystrom(_) => CONTROLLED_PHASE,
-            Scheme::Splitting(_, step) => step * fastest,
-            Scheme::TwoStep(..) => two_step::LONG,
+            LosslessScheme::Nystrom(_) => CONTROLLED_PHASE,
+            LosslessScheme::Splitting(_, step) => step * fastest,
+            LosslessScheme::TwoStep(..) => two_step::LONG,
         };
         let (drive, method) = match scheme {
-            Scheme::Nystrom(tolerance) => {
+            LosslessScheme::Nystrom(tolerance) => {
                 let position = chain.impact_overlap(&state.velocity).max(overlap);
                 let scales = Scales { position, velocity: speed };
                 let first = first_step(scales, pacing.frequency);
                 let control = StepControl::new(first, 6).growing(MAX_GROWTH);
                 let trial = Trial::new(live);
-                let nystrom = Nystrom { control, tolerance, scales, trial, corrects: true };
+                let nystrom = Nystrom { control, tolerance, scales, trial };
                 (Drive::Nystrom(Box::new(nystrom)), &FORCE_GRADIENT)
             }
-            Scheme::Splitting(method, step) => {
-                (Drive::Fixed(Clock::new(method, step, state.time)), method)
+            LosslessScheme::Splitting(method, step) => {
+                (Drive::Fixed(Clock::new(step, state.time, method.first_step)), method)
             }
-            Scheme::TwoStep(method, tolerance) => {
+            LosslessScheme::TwoStep(method, tolerance) => {
                 let motion = contact_motion(pacing.stiff.as_ref(), &now);
                 let steps = TwoStep::new(&pacing, tolerance, motion);
                 (Drive::TwoStep(steps, pacing.stiff), method)
@@ -152,16 +143,6 @@ impl VectorStepper {
             changes: 0,
             frame: Default::default(),
         }
-    }
-
-    /// The stepper without one of its refinements.
-    pub fn without(mut self, refinement: Refinement) -> Self {
-        match (refinement, &mut self.drive) {
-            (Refinement::OpeningCorrection, Drive::Nystrom(nystrom)) => nystrom.corrects = false,
-            (Refinement::OpeningCorrection, _) => {}
-            (Refinement::ActiveWindow, _) => self.live = self.chain.len(),
-        }
-        self
     }
 
     /// The instructions that it runs with.
@@ -209,7 +190,7 @@ impl VectorStepper {
     /// Takes one trial step of the pair; whether it is accepted.
     fn attempt(&mut self, end: f64) -> Result<bool, IntegrateError> {
         let Drive::Nystrom(nystrom) = &mut self.drive else { return Ok(true) };
-        let Nystrom { control, tolerance, scales, trial, corrects } = &mut **nystrom;
+        let Nystrom { control, tolerance, scales, trial } = &mut **nystrom;
         let step = control.trial(self.time, end)?;
         let (h, live, chain) = (step.length, self.live, &self.chain);
         let (now, next) = (&self.now, &mut self.previous);
@@ -219,7 +200,7 @@ impl VectorStepper {
         let tolerated = [*tolerance * scales.position, *tolerance * scales.velocity];
         let mut error = relative_error(judged.errors, *scales) / *tolerance;
         let mut is_changed = false;
-        if judged.is_changed && *corrects && error.is_finite() {
+        if judged.is_changed && error.is_finite() {
             let guard =
                 correct(chain, (now, &mut *next), &mut *trial, h, (tolerated, self.lightest));
             if guard.is_changed {

@@ -132,7 +132,7 @@ fn bare(scene: &Scene, method: Method, most: u64) -> Result<Run<'_>, IntegrateEr
 /// A method at one setting, with its errors against `exact`, and its wall times.
 pub fn point(scene: &Scene, by: Method, exact: &Run<'_>) -> (Point, WallTimes) {
     let (mut point, mut walls) = (Point::failed(scene, by, 0), WallTimes::default());
-    let most = most_evaluations(scene, by);
+    let most = most_evaluations(by);
     let found = match bare(scene, by, most) {
         Ok(found) => found,
         Err(error) => {
@@ -157,8 +157,8 @@ pub fn point(scene: &Scene, by: Method, exact: &Run<'_>) -> (Point, WallTimes) {
 }
 
 /// Most evaluations of all forces of a point.
-fn most_evaluations(scene: &Scene, by: Method) -> u64 {
-    if !by.allows_losses() && scene.chain.is_plain() { MOST_OWN } else { MOST_CONTROLLED }
+fn most_evaluations(by: Method) -> u64 {
+    if by.allows_losses() { MOST_CONTROLLED } else { MOST_OWN }
 }
 
 impl Point {
@@ -168,7 +168,7 @@ impl Point {
 
     /// Times the point, whose method is `by`, once more.
     pub(super) fn time_again(&mut self, scene: &Scene, by: Method, walls: &mut WallTimes) {
-        if let Ok(run) = bare(scene, by, most_evaluations(scene, by)) {
+        if let Ok(run) = bare(scene, by, most_evaluations(by)) {
             walls.add(run.wall_s());
             self.set_times(walls);
         }
