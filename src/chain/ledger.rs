@@ -1,9 +1,8 @@
-//! What the losses have taken, read from the accounts of a [`super::ChainSystem`].
+//! What the losses have taken, read from the accounts of a chain in motion.
 
 use serde::Serialize;
 
-use super::{ACCOUNTS, Chain, Energy, LOSS_MODELS};
-use crate::integrate::State;
+use super::{ACCOUNTS, Chain, Energy, LOSS_MODELS, State};
 
 /// Energy taken by the losses of a run.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
@@ -48,7 +47,7 @@ impl Chain {
 
     /// Speed that stands for one joule in the accounts: the largest initial speed for the initial
     /// kinetic energy (m/s/J).
-    pub(super) fn account_unit(&self, initial_velocity: &[f64]) -> f64 {
+    pub(crate) fn account_unit(&self, initial_velocity: &[f64]) -> f64 {
         let moving = self.bodies.iter().zip(initial_velocity);
         let kinetic: f64 = moving.map(|(body, v)| 0.5 * body.mass * v * v).sum();
         let fastest = initial_velocity.iter().fold(0.0_f64, |most, v| most.max(v.abs()));

@@ -4,7 +4,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::AnswerIsNo;
-use crate::chain::simd::{InstructionSet, VARIABLE};
+use crate::motion::kernel::{InstructionSet, VARIABLE};
 use crate::studies::doctor::{Check, examine};
 
 /// Check the installation: shipped files, instruction sets of the processor, a run against an

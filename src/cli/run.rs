@@ -117,9 +117,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             Integration::Accuracy(accuracy) => {
                 run_to_accuracy(&scene, accuracy, number, &mut report)
             }
-            Integration::Method(method) => {
-                run_by_hand(&scene, method, number, &mut report)
-            }
+            Integration::Method(method) => run_by_hand(&scene, method, number, &mut report),
         };
         let outcome = outcome?;
         writer.add(&outcome.shot, &facts::shot_notes(&scene, &outcome))?;

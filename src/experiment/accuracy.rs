@@ -12,7 +12,7 @@ use super::method_choice::{controlled_for, method_for};
 use super::outcome::{Assessment, MAX_ENERGY_DRIFT};
 use super::run::Run;
 use super::{Integration, Outcome, RunError, method};
-use crate::integrate::Method;
+use crate::motion::Method;
 use crate::note::Note;
 use crate::scene::{Scene, TIGHTEST_ACCURACY};
 

@@ -40,8 +40,7 @@ pub fn resolve_auto_effects(scene: &Scene, integration: Integration) -> Cow<'_, 
     }
     let mut settled = scene.clone();
     for name in std::mem::take(&mut settled.auto) {
-        let Integration::Accuracy(accuracy) = integration
-        else {
+        let Integration::Accuracy(accuracy) = integration else {
             let sentence = format!("{name} is on: state = \"auto\" needs an accuracy, not a step");
             settled.notes.push(Note::new("auto_effect", sentence).with("effect", name));
             continue;

@@ -1,9 +1,11 @@
 //! The chain in motion with everything that watches it: pulses, scope samples, truth.
 
-use crate::chain::probe_step::ProbeTracker;
-use crate::chain::simd::{InstructionSet, VectorStepper};
-use crate::chain::{Chain, ChainSystem, Dissipated, Energy, ForceProbe};
-use crate::integrate::{IntegrateError, Integrator, Method, Scheme, State, Work};
+use crate::chain::State;
+use crate::chain::{Chain, Dissipated, Energy, ForceProbe};
+use crate::motion::ChainSystem;
+use crate::motion::kernel::{InstructionSet, VectorStepper};
+use crate::motion::probe_step::ProbeTracker;
+use crate::motion::{IntegrateError, Integrator, Method, Scheme, Work};
 
 use super::extremes::Extremes;
 use super::frames::Frames;

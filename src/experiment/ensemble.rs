@@ -8,9 +8,9 @@ use super::bench::{Bench, Grid};
 use super::parallel::{in_parallel, processors};
 use super::pulse::PulseRecorder;
 use super::{Integration, method_choice};
-use crate::chain::simd::InstructionSet;
 use crate::chain::{Chain, ForceProbe};
-use crate::integrate::{IntegrateError, Method, Work};
+use crate::motion::kernel::InstructionSet;
+use crate::motion::{IntegrateError, Method, Work};
 use crate::scene::{PlacedSensor, Scene, Site};
 
 /// One chain and what is to be read from it.

@@ -54,9 +54,8 @@ impl ErrorEstimate {
         if pulses(&first) != pulses(&second) || peaks.any(|peak| peak.dynamic_n < faintest) {
             return None;
         }
-        let largest = |error| {
-            Some(largest_error(&first, &second, error)? + own.max(ROUNDING_ERROR))
-        };
+        let largest =
+            |error| Some(largest_error(&first, &second, error)? + own.max(ROUNDING_ERROR));
         Some(Self {
             peak: largest(peak_error)?,
             arrival: largest(arrival_error)?,

@@ -5,7 +5,7 @@
 //! on the step's interpolant.
 
 use crate::chain::Chain;
-use crate::integrate::{Integrator, Interpolant};
+use crate::motion::{Integrator, Interpolant};
 use crate::numeric::roots::root;
 
 /// Times in a step at which the force of a contact with losses is evaluated besides its ends (1).
@@ -37,8 +37,9 @@ impl Extremes {
     /// Takes in the last step of `integrator`, whose interpolation is prepared.
     pub fn take_step(&mut self, chain: &Chain, integrator: &dyn Integrator) {
         let now: Vec<[f64; 2]> = (0..self.ends.len()).map(|body| integrator.body(body)).collect();
-        let motion =
-            |body: Option<usize>| body.filter(|body| *body < now.len()).map(|b| integrator.interpolant(b));
+        let motion = |body: Option<usize>| {
+            body.filter(|body| *body < now.len()).map(|b| integrator.interpolant(b))
+        };
         for (j, (contact, largest)) in chain.contacts().iter().zip(&mut self.forces).enumerate() {
             if contact.stiffness == 0.0 {
                 continue;
@@ -55,8 +56,8 @@ impl Extremes {
             if !(turns || is_lossy && MAX_RISE_IN_STEP * at_ends > *largest) {
                 continue;
             }
-            let [above, below] = [j.checked_sub(1), Some(j)]
-                .map(|body| motion(body).unwrap_or(Interpolant::REST));
+            let [above, below] =
+                [j.checked_sub(1), Some(j)].map(|body| motion(body).unwrap_or(Interpolant::REST));
             let at = |theta: f64| {
                 let change = above.position(theta) - below.position(theta);
                 [change, above.velocity(theta) - below.velocity(theta)]
@@ -89,7 +90,8 @@ impl Extremes {
 
 /// Overlap change of contact `j` (m) and its rate (m/s).
 fn difference(ends: &[[f64; 2]], j: usize) -> [f64; 2] {
-    let of = |body: Option<usize>| body.and_then(|body| ends.get(body)).copied().unwrap_or([0.0; 2]);
+    let of =
+        |body: Option<usize>| body.and_then(|body| ends.get(body)).copied().unwrap_or([0.0; 2]);
     let (above, below) = (of(j.checked_sub(1)), of(Some(j)));
     [above[0] - below[0], above[1] - below[1]]
 }

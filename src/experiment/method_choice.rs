@@ -3,7 +3,7 @@
 
 use super::error::{MAX_STEPS, RunError};
 use crate::chain::{Chain, Contact, LOSS_MODELS};
-use crate::integrate::Method;
+use crate::motion::Method;
 use crate::scene::Scene;
 
 /// Methods for losses.

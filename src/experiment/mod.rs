@@ -30,9 +30,9 @@ mod roots;
 pub mod run;
 mod segment;
 
+pub use accuracy::reference_tolerance;
 pub use error::RunError;
 pub use method_choice::{Integration, for_accuracy, method};
 pub use outcome::Outcome;
-pub use accuracy::reference_tolerance;
 pub use run::run;
 pub(crate) use run::{film_grid, free_grid, read_bench, sample_grid, scene_bench};

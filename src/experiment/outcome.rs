@@ -132,8 +132,9 @@ impl Summary {
         let drift = self.energy.drift;
         if !self.energy.is_kept(TOLERABLE) {
             let (what, share) = (if drift > 0.0 { "made" } else { "lost" }, drift.abs());
-            let sentence =
-                format!("the method has {what} energy, {share:.1e} of that in motion: {advice} reduces this");
+            let sentence = format!(
+                "the method has {what} energy, {share:.1e} of that in motion: {advice} reduces this"
+            );
             self.notes.push(Note::new("energy_drift", sentence).with("drift", drift));
         }
     }

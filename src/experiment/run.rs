@@ -12,7 +12,7 @@ use super::outcome::EnergyLedger;
 use super::outcome::{Outcome, Reading, Summary, TriggerReport};
 use super::{auto_effects, method_choice, notes, outcome, paper_speeds};
 use crate::chain::ForceProbe;
-use crate::integrate::{IntegrateError, Method, Work};
+use crate::motion::{IntegrateError, Method, Work};
 use crate::recording::Shot;
 use crate::scene::{Scene, Site};
 use crate::scope::acquire::TriggerPosition;

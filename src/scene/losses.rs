@@ -3,9 +3,7 @@
 
 use super::reader::effect;
 use super::reader::{Bound, TableReader};
-use crate::chain::{
-    ContactOverride, EffectsSpec, EndOfContact, LOSS_MODELS, LossModel, LossSpec,
-};
+use crate::chain::{ContactOverride, EffectsSpec, EndOfContact, LOSS_MODELS, LossModel, LossSpec};
 use crate::quantity::Dimension;
 
 /// Exponents of the power law: below one the loss would be infinitely steep at rest.

@@ -4,12 +4,12 @@
 
 use serde::Serialize;
 
-use crate::chain::simd::InstructionSet;
 use crate::data;
 use crate::experiment::ensemble::{Case, Ensemble, Readout, places};
 use crate::experiment::facts::facts;
 use crate::experiment::pulse::{Peak, PulseRecorder};
 use crate::experiment::{Integration, run};
+use crate::motion::kernel::InstructionSet;
 use crate::recording::mcap;
 use crate::recording::{Shot, TraceSet};
 use crate::scene::Scene;

@@ -1,14 +1,12 @@
 //! The accuracy that is asked for: reached, and estimated.
 
-use hertzscope::experiment::accuracy::{
-    doubt, reference_tolerance, run_by_hand, run_to_accuracy,
-};
+use hertzscope::experiment::accuracy::{doubt, reference_tolerance, run_by_hand, run_to_accuracy};
 use hertzscope::experiment::bench::{Bench, Grid};
 use hertzscope::experiment::estimate::ErrorEstimate;
 use hertzscope::experiment::outcome::{Reading, Summary};
 use hertzscope::experiment::run::Run;
 use hertzscope::experiment::{Integration, Outcome, method, run};
-use hertzscope::integrate::{IntegrateError, Method};
+use hertzscope::motion::{IntegrateError, Method};
 use hertzscope::scene::Scene;
 use hertzscope::trace::Trace;
 
@@ -357,7 +355,11 @@ fn at_the_tightest_tolerances_run_and_reference_run_differ() {
     let mut text = "duration = \"0.1 ms\"\nmaterials.st = { youngs_modulus = \"193 GPa\", poissons_ratio = 0.3 }\n".to_owned();
     for i in 0..30 {
         let share = 0.7_f64.powi(i);
-        text += &format!("particles.t{i} = {{ material = \"st\", diameter = \"{:e} m\", mass = \"{:e} kg\" }}\n", 5e-3 * share, 0.51e-3 * share.powi(3));
+        text += &format!(
+            "particles.t{i} = {{ material = \"st\", diameter = \"{:e} m\", mass = \"{:e} kg\" }}\n",
+            5e-3 * share,
+            0.51e-3 * share.powi(3)
+        );
     }
     let names: Vec<String> = (0..30).map(|i| format!("\"t{i}\"")).collect();
     text += &format!(
@@ -367,7 +369,8 @@ fn at_the_tightest_tolerances_run_and_reference_run_differ() {
     text += "striker = { material = \"st\", mass = \"0.51 g\", diameter = \"5 mm\", speed = \"0.1 m/s\" }\n";
     text += "sensors.a = { model = \"pzt-5a-710pf\", particle = 25 }\n[scope]\nmodel = \"tds2014\"\ntime_base = \"25 us/div\"\ntrigger = { source = \"CH1\", level = \"200 mV\", slope = \"rise\", mode = \"auto\" }\nch1 = { input = \"a\", scale = \"1 V/div\" }\n";
     let scene = Scene::from_text("taper", "taper.toml", &text).expect("a scene");
-    let exact = simulate(&scene, Integration::Method(Method::DormandPrince853 { tolerance: 1e-14 }));
+    let exact =
+        simulate(&scene, Integration::Method(Method::DormandPrince853 { tolerance: 1e-14 }));
     for accuracy in [1e-8, 1e-11] {
         let found = run_to_accuracy(&scene, accuracy, 1, &mut |_| ()).expect("a run").summary;
         let (peak, arrival) = errors(&found, &exact);

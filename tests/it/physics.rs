@@ -1,9 +1,10 @@
 //! Closed forms that the chain must reproduce.
 
 use hertzscope::analysis::dispersion::DiatomicChain;
-use hertzscope::chain::{Chain, ChainSpec, ChainSystem, EffectsSpec, End, ForceProbe, hertz};
+use hertzscope::chain::{Chain, ChainSpec, EffectsSpec, End, ForceProbe, hertz};
 use hertzscope::experiment::bench::Grid;
-use hertzscope::integrate::{Method, System};
+use hertzscope::motion::ChainSystem;
+use hertzscope::motion::{Method, System};
 
 use super::chains::{
     ALUMINA, NEVER, PTFE, STEEL, body, diatomic, kicked, pressed, ptfe_sphere, steel_cylinder,

@@ -7,10 +7,11 @@ use std::fmt::Write as _;
 use hertzscope::experiment::accuracy::{doubt, run_to_accuracy};
 use hertzscope::experiment::bench::start;
 
+use hertzscope::chain::State;
 use hertzscope::experiment::outcome::{Reading, Summary};
 use hertzscope::experiment::pulse::Peak;
 use hertzscope::experiment::{self, Integration, for_accuracy, reference_tolerance};
-use hertzscope::integrate::{Method, State};
+use hertzscope::motion::Method;
 use hertzscope::scene::{Problem, Scene, SceneError};
 
 /// Scenes of each kind, unless `HERTZSCOPE_RANDOM_SCENES` says how many: `tests/run --full` runs

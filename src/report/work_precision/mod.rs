@@ -108,8 +108,7 @@ fn warnings(study: &CostStudy) -> Vec<String> {
 
 /// One row an accuracy: errors and times.
 fn choices(study: &CostStudy) -> Vec<String> {
-    let heading =
-        ["asked", "peaks", "arrivals", "traces", "time", "least", "with checks", "speed"];
+    let heading = ["asked", "peaks", "arrivals", "traces", "time", "least", "with checks", "speed"];
     let words = |error: Option<f64>| error.map_or("-".to_owned(), |e| format!("{e:.1e}"));
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     for chosen in &study.chosen {

@@ -8,7 +8,7 @@ use crate::experiment::bench::Grid;
 use crate::experiment::estimate::{arrival_error, largest_error, peak_error, trace_error};
 use crate::experiment::run::Run;
 use crate::experiment::{Integration, RunError, method};
-use crate::integrate::{IntegrateError, Method};
+use crate::motion::{IntegrateError, Method};
 use crate::scene::Scene;
 
 /// A point that has taken longer than this in all is not timed again: the study takes seconds.
@@ -31,10 +31,8 @@ const FAILED: f64 = 1.0;
 type Make = fn(f64) -> Method;
 
 /// Methods of fixed steps.
-const FIXED: [Make; 2] = [
-    |step| Method::VelocityVerlet { step },
-    |step| Method::RungeKutta4 { step },
-];
+const FIXED: [Make; 2] =
+    [|step| Method::VelocityVerlet { step }, |step| Method::RungeKutta4 { step }];
 /// Methods that choose their steps.
 const ADAPTIVE: [Make; 5] = [
     |tolerance| Method::TwoStepForceGradient { tolerance },
@@ -255,15 +253,14 @@ pub fn reference(scene: &Scene) -> Result<(Run<'_>, Reference), String> {
         vec![Method::DormandPrince853 { tolerance }, Method::DormandElMikkawyPrince86 { tolerance }]
     };
     let mut last = None;
-    let mut found = methods.into_iter().filter_map(|method| {
-        match bare(scene, method, MOST_REFERENCE) {
+    let mut found =
+        methods.into_iter().filter_map(|method| match bare(scene, method, MOST_REFERENCE) {
             Ok(run) => Some((run, method.to_string())),
             Err(error) => {
                 last = Some(error);
                 None
             }
-        }
-    });
+        });
     if let (Some((exact, method)), Some((other, second))) = (found.next(), found.next()) {
         let (readings, exact_readings) = (other.readings(), exact.readings());
         let largest = |error| largest_error(&readings, &exact_readings, error);

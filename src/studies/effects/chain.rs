@@ -153,11 +153,7 @@ pub fn striker_speed_spread(subject: &BaselineRun<'_>) -> LedgerEntry {
 }
 
 /// A loss: its decay against the fastest contact's own frequency.
-fn loss(
-    subject: &BaselineRun<'_>,
-    kind: LossKind,
-    needs: &str,
-) -> LedgerEntry {
+fn loss(subject: &BaselineRun<'_>, kind: LossKind, needs: &str) -> LedgerEntry {
     let name = kind.model().name;
     let setting = subject.scene.spec.effects.loss(kind);
     let criterion = "decay / angular frequency, of the most damped contact";

@@ -5,9 +5,7 @@ use super::benches::{
     HEAVY, LIGHT, MovingChain, PTFE, STEEL, assemble, diatomic, set_moving, sphere,
 };
 use super::tally::CaseChecks;
-use crate::chain::{
-    Body, Chain, ChainSpec, EffectsSpec, End, EndOfContact, LossKind, LossSpec,
-};
+use crate::chain::{Body, Chain, ChainSpec, EffectsSpec, End, EndOfContact, LossKind, LossSpec};
 
 pub const CASES: &[HardCase] = &[
     HardCase {

@@ -8,7 +8,7 @@ use crate::experiment::bench::{Bench, Grid};
 use crate::experiment::pulse::{HALF_RISE_SHARE, Peak, PulseRecorder};
 use crate::experiment::{Integration, method, run};
 use crate::recording::TrueSignal;
-use crate::scene::{Scene};
+use crate::scene::Scene;
 use crate::trace::Trace;
 
 /// Sample interval of all forces: 60 samples in the fastest oscillation that travels (s).

@@ -20,8 +20,8 @@ use crate::experiment::bench::{Bench, Grid};
 use crate::experiment::method_choice;
 use crate::experiment::parallel::{in_parallel, processors};
 use crate::experiment::pulse::{HALF_RISE_SHARE, PulseRecorder};
-use crate::integrate::IntegrateError;
 use crate::measurement::metadata::cell;
+use crate::motion::IntegrateError;
 use crate::scene::{Scene, Site};
 use knob::sensed;
 

@@ -4,7 +4,7 @@
 //! `vector` is the arithmetic of an instruction set, `rows` the chain's layout and the sweep over
 //! its contacts, `rkn86` and `splitting` the steps of the two methods, `opening` the correction
 //! where contacts open or close, `stepper` the integrator. Chains with losses are
-//! integrated by [`crate::integrate`]'s methods for forces that depend on velocities.
+//! integrated by [`crate::motion`]'s methods for forces that depend on velocities.
 
 mod frame;
 mod opening;

@@ -10,16 +10,10 @@
 //! counts as closed at the start. Where contacts end at zero force, whether one is held there is
 //! another switch: a kink.
 
-use super::loss::{ContactLoss, EndOfContact, KINDS, Tangent, Touch};
-use super::magnet::Pull;
-use super::{Chain, Contact, Law};
-use crate::integrate::{
-    Linearised, Motion, Scales, Sides, State, Switching, System, Tridiagonal,
-};
-
-/// Accounts behind the bodies of a chain with losses: one a kind of loss, and the energy in
-/// contacts held at zero force.
-pub const ACCOUNTS: usize = KINDS + 1;
+use super::system::{Linearised, Motion, Scales, Sides, Switching, System, Tridiagonal};
+use super::two_step::pacing;
+use crate::chain::loss::{KINDS, Tangent, Touch};
+use crate::chain::{ACCOUNTS, Chain, Contact, ContactLoss, EndOfContact, Law, Pull, State};
 
 /// A force below this share of its parts is zero but for rounding (1).
 const ROUNDING_SHARE: f64 = 1e-10;
@@ -67,7 +61,7 @@ impl ChainSystem {
         let closes = losses().filter(|(_, loss)| loss.jumps()).map(|(j, _)| Change::Closes(j));
         let pulls = losses().filter(|(_, loss)| loss.end == EndOfContact::ZeroForce);
         let switches = closes.chain(pulls.map(|(j, _)| Change::Pulls(j))).collect();
-        let residual = chain.residual.iter().zip(chain.bodies());
+        let residual = chain.residual().iter().zip(chain.bodies());
         Self {
             masses: chain.bodies().iter().map(|body| body.mass).collect(),
             residual: residual.map(|(force, body)| force / body.mass).collect(),
@@ -80,7 +74,7 @@ impl ChainSystem {
             tangents: vec![Tangent::default(); contacts.len()],
             pull_slope: 0.0,
             overlap_floor: chain.impact_overlap(initial_velocity),
-            highest_frequency: chain.pacing(initial_velocity).frequency,
+            highest_frequency: pacing(chain, initial_velocity).frequency,
             contacts,
         }
     }
@@ -175,7 +169,7 @@ impl System for ChainSystem {
 }
 
 /// Value of the body above contact `j` less that of the one below; walls rest (unit).
-pub(super) fn difference(of_bodies: &[f64], j: usize) -> f64 {
+fn difference(of_bodies: &[f64], j: usize) -> f64 {
     let at = |body: Option<usize>| body.and_then(|body| of_bodies.get(body)).copied();
     at(j.checked_sub(1)).unwrap_or(0.0) - at(Some(j)).unwrap_or(0.0)
 }

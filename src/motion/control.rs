@@ -1,6 +1,8 @@
 //! The choice of steps: fixed ones, or control by the estimated local error; shared by all methods.
 
-use super::{IntegrateError, Scales, State, System};
+use super::integrator::IntegrateError;
+use super::system::{Scales, System};
+use crate::chain::State;
 
 /// A step is chosen to meet the tolerance with this margin (1).
 const SAFETY: f64 = 0.8;

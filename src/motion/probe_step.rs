@@ -5,11 +5,11 @@
 //! step; the error goes as the step to the power 8 with the constant `1/(8! 2^8)`. Source: C.
 //! Hermite, J. reine angew. Math. 84, 70 (1878).
 
-use super::hertz::force_and_tangent;
-use super::simd::{ContactStep, InstructionSet, SampleForces, VectorStepper};
-use super::{Contact, ForceProbe, Pull};
-use crate::integrate::hermite::{End, septic_coefficients};
-use crate::integrate::{COEFFICIENTS, Integrator};
+use super::hermite::{COEFFICIENTS, End, septic_coefficients};
+use super::integrator::Integrator;
+use super::kernel::{ContactStep, InstructionSet, SampleForces, VectorStepper};
+use crate::chain::hertz::force_and_tangent;
+use crate::chain::{Contact, ForceProbe, Pull};
 
 /// Times in a step at which a force is evaluated, as fractions of the step; its end is the last
 /// (1).
@@ -277,11 +277,12 @@ mod tests {
 
     /// A tracker of nothing whose last step, of 1 s, has these forces and rates at its ends.
     fn tracker(forces: [[f64; 2]; 2]) -> ProbeTracker {
-        let none = Elastic { law: Law::Hertz, stiffness: 0.0, static_root: 0.0, weight: 0.0 };
+        let none = Elastic { stiffness: 0.0, static_root: 0.0, weight: 0.0 };
         ProbeTracker {
             pair: ContactPair([none; 2]),
             neighbourhood: [none; 4],
             inverse_masses: [0.0; 3],
+            pull: None,
             bodies: [None; 5],
             ends: Default::default(),
             forces,

@@ -6,14 +6,12 @@ use super::rkn86::{EVALUATIONS, Evaluate, Trial, TrialStep};
 use super::rows::{ChainRows, Motion, place};
 use super::splitting::Step;
 use super::vector::{InstructionSet, Row, WIDTH};
-use crate::chain::Chain;
-use crate::integrate::control::{Clock, StepControl, first_step, relative_error};
-use crate::integrate::hermite::{End, septic};
-use crate::integrate::splitting::{FORCE_GRADIENT, Splitting};
-use crate::integrate::two_step::{self, ContactMotion, NO_CONTACT, StiffContact, TwoStep};
-use crate::integrate::{
-    IntegrateError, Integrator, Interpolant, LosslessScheme, Scales, State, Work,
-};
+use crate::chain::{Chain, State};
+use crate::motion::control::{Clock, StepControl, first_step, relative_error};
+use crate::motion::hermite::{End, septic};
+use crate::motion::splitting::{FORCE_GRADIENT, Splitting};
+use crate::motion::two_step::{self, ContactMotion, NO_CONTACT, StiffContact, TwoStep};
+use crate::motion::{IntegrateError, Integrator, Interpolant, LosslessScheme, Scales, Work};
 
 /// Rows at rest that are kept in the sweep behind the last one that moves: within a step motion
 /// spreads by a contact a stage, of which there are fewer than in these.
@@ -98,7 +96,7 @@ impl VectorStepper {
         };
         let last = (0..live).rev().find(|row| is_moving(*row)).unwrap_or(0);
         let speed = state.velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-        let pacing = chain.pacing(&state.velocity);
+        let pacing = two_step::pacing(chain, &state.velocity);
         let fastest = pacing.stiff.map_or(0.0, |stiff| stiff.frequency).max(pacing.frequency);
         let max_phase = match scheme {
             LosslessScheme::Nystrom(_) => CONTROLLED_PHASE,

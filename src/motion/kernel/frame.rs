@@ -6,7 +6,7 @@
 
 use super::rows::{ChainRows, Motion, Touch, Visit, place, rates, sweep};
 use super::vector::{Kernel, Row, Simd, Vector};
-use crate::integrate::hermite::septic_weights;
+use crate::motion::hermite::septic_weights;
 
 /// Interpolates at the fraction `theta` of the step of `h` (s) from `from` to `to` by septics.
 pub struct Frame<'a> {

@@ -1,87 +1,8 @@
-//! Time integration of `x'' = a(x, v)`: one file a method, one step at a time.
-//!
-//! `chain` supplies a [`System`]; `experiment` drives an [`Integrator`] and reads each step through
-//! its [`Interpolant`], so that nothing downstream depends on where the integrator put its steps.
-//! The equations are autonomous: no method sees the time but for bookkeeping.
+//! What all methods have in common: one step at a time, and its interpolation.
 
-pub mod control;
-pub mod dormand_el_mikkawy_prince_86;
-pub mod hermite;
-mod method;
-pub mod rodas;
-pub mod runge_kutta;
-pub mod splitting;
-pub mod switching;
-pub mod tableaus;
-pub mod two_step;
-
-pub use hermite::{COEFFICIENTS, Interpolant};
-pub use method::{GeneralScheme, LosslessScheme, Method, Scheme};
-pub use rodas::{Linearised, Rodas, Tridiagonal};
-pub use switching::{Motion, Sides, Switching};
-pub use two_step::Pacing;
-
-/// A mechanical system of `len` coordinates.
-pub trait System {
-    /// Number of coordinates.
-    fn len(&self) -> usize;
-
-    /// Whether there is nothing to integrate.
-    fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// Writes the accelerations (m/s²) for the given positions (m) and velocities (m/s).
-    fn accelerations(&mut self, position: &[f64], velocity: &[f64], acceleration: &mut [f64]);
-
-    /// The distance (m) and speed (m/s) to which a relative error in this state refers: what the
-    /// user reads is a contact's overlap, not the drift of the whole chain.
-    fn scales(&self, position: &[f64], velocity: &[f64]) -> Scales;
-
-    /// Whether the law has a kink between two states: a step across it is of low order, and an
-    /// estimate of its error may vanish by accident.
-    fn has_kink_between(&self, from: &State, to: &State) -> bool {
-        let _ = (from, to);
-        false
-    }
-
-    /// Highest angular frequency, or a bound of it, which decides on the first step: by default,
-    /// speeds change distances in a radian (1/s).
-    fn highest_frequency(&self, state: &State) -> f64 {
-        let Scales { position, velocity } = self.scales(&state.position, &state.velocity);
-        velocity / position
-    }
-
-    /// Its switches, if its law has any.
-    fn switching(&mut self) -> Option<&mut dyn Switching> {
-        None
-    }
-
-    /// Its tangent, if it can tell.
-    fn linearised(&mut self) -> Option<&mut dyn Linearised> {
-        None
-    }
-}
-
-/// Magnitudes by which errors are measured.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scales {
-    /// Typical overlap (m).
-    pub position: f64,
-    /// Typical speed (m/s).
-    pub velocity: f64,
-}
-
-/// Positions and velocities at one time.
-#[derive(Debug, Clone, PartialEq)]
-pub struct State {
-    /// Time since the striker's first contact (s).
-    pub time: f64,
-    /// Displacements from static equilibrium, downward positive (m).
-    pub position: Vec<f64>,
-    /// Velocities, downward positive (m/s).
-    pub velocity: Vec<f64>,
-}
+use super::hermite::Interpolant;
+use super::system::System;
+use crate::chain::State;
 
 /// What a run has cost so far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -202,20 +123,22 @@ pub trait Integrator {
     }
 }
 
-impl Scales {
-    /// Takes in the present ones: a rebound's speed stays the yardstick for what it left behind.
-    pub(crate) fn widen(&mut self, now: Self) {
-        self.position = self.position.max(now.position);
-        self.velocity = self.velocity.max(now.velocity);
-    }
+/// A method that can start anew from another state.
+pub trait Restart: Integrator {
+    /// The system.
+    fn system(&mut self) -> &mut dyn System;
 
-    /// Whether errors can be measured by them.
-    fn are_finite(&self) -> bool {
-        self.position.is_finite() && self.velocity.is_finite()
-    }
+    /// Where it is.
+    fn reached(&self) -> &State;
+
+    /// Starts anew at `state`, with the step that the last one suggested.
+    fn restart(&mut self, state: &State);
+
+    /// Error of velocities that the control tolerates in a step; 0 without a control (m/s).
+    fn tolerated(&self) -> f64;
 }
 
 /// Index of the first body whose state is not finite.
-fn first_not_finite(position: &[f64], velocity: &[f64]) -> Option<usize> {
+pub fn first_not_finite(position: &[f64], velocity: &[f64]) -> Option<usize> {
     position.iter().zip(velocity).position(|(x, v)| !(x.is_finite() && v.is_finite()))
 }

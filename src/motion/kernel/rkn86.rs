@@ -3,7 +3,7 @@
 //!
 //! `x_s = x + c_s h v + h^2 sum a_sj k_j`, `k_s = a(x_s)`; the new position is the last stage's, so
 //! a step costs eight evaluations. Sums of positions and velocities are compensated. Source and
-//! coefficients: [`mod@crate::integrate::dormand_el_mikkawy_prince_86`].
+//! coefficients: [`mod@crate::motion::dormand_el_mikkawy_prince_86`].
 #![allow(
     clippy::inline_always,
     reason = "the code has to be inlined into functions compiled for the instruction set"
@@ -11,8 +11,8 @@
 
 use super::rows::{ChainRows, Motion, Touch, Visit, sweep};
 use super::vector::{Kernel, Row, Simd, Vector};
-use crate::integrate::dormand_el_mikkawy_prince_86::DORMAND_EL_MIKKAWY_PRINCE_86 as PAIR;
-use crate::integrate::runge_kutta::Row as Terms;
+use crate::motion::dormand_el_mikkawy_prince_86::DORMAND_EL_MIKKAWY_PRINCE_86 as PAIR;
+use crate::motion::runge_kutta::Row as Terms;
 
 /// Stages of the pair.
 pub const STAGES: usize = 9;

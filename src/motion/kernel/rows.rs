@@ -76,7 +76,8 @@ impl ChainRows {
             out.static_root[row].0[lane] = static_root;
             out.exists[row].0[lane] = if contact.stiffness > 0.0 { 1.0 } else { 0.0 };
         }
-        for (i, (body, residual)) in chain.bodies().iter().zip(chain.residual.iter()).enumerate() {
+        for (i, (body, residual)) in chain.bodies().iter().zip(chain.residual().iter()).enumerate()
+        {
             let (row, lane) = place(i);
             out.inverse_mass[row].0[lane] = 1.0 / body.mass;
             out.residual[row].0[lane] = residual / body.mass;

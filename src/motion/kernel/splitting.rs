@@ -1,7 +1,7 @@
 //! One step of a splitting on the chain in rows: kicks and drifts in turn, kicks also by the
 //! gradient of the accelerations along themselves.
 //!
-//! `v += b h a(x) + g h^3 (da/dx) a`, `x += a h v`; see [`mod@crate::integrate::splitting`].
+//! `v += b h a(x) + g h^3 (da/dx) a`, `x += a h v`; see [`mod@crate::motion::splitting`].
 #![allow(
     clippy::inline_always,
     reason = "the code has to be inlined into functions compiled for the instruction set"
@@ -9,7 +9,7 @@
 
 use super::rows::{ChainRows, Motion, Touch, Visit, rates, sweep};
 use super::vector::{Kernel, Row, Simd, Vector};
-use crate::integrate::splitting::Splitting;
+use crate::motion::splitting::Splitting;
 
 /// Takes a step of `h` (s) from `now` to `next`.
 pub struct Step<'a> {

@@ -3,13 +3,15 @@
 use std::fmt;
 
 use super::dormand_el_mikkawy_prince_86::DORMAND_EL_MIKKAWY_PRINCE_86;
+use super::integrator::{Integrator, Restart};
 use super::rodas::{self, Rodas};
 use super::runge_kutta::{RungeKutta, RungeKuttaIntegrator, StepError};
 use super::splitting::{FORCE_GRADIENT, Splitting, VELOCITY_VERLET};
-use super::switching::{Restart, Switched};
+use super::switching::Switched;
+use super::system::System;
 use super::tableaus::{DORMAND_PRINCE_54, DORMAND_PRINCE_853, RUNGE_KUTTA_4};
 use super::two_step;
-use super::{Integrator, State, System};
+use crate::chain::State;
 
 /// A method and its setting.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,11 +96,7 @@ use Scheme::{General, Lossless};
 
 impl GeneralScheme {
     /// Starts the method on `system` at `state`.
-    pub fn start<'a>(
-        self,
-        system: Box<dyn System + 'a>,
-        state: State,
-    ) -> Box<dyn Integrator + 'a> {
+    pub fn start<'a>(self, system: Box<dyn System + 'a>, state: State) -> Box<dyn Integrator + 'a> {
         match self {
             Explicit(method, setting) => {
                 watched(RungeKuttaIntegrator::new(method, system, state, setting))
@@ -118,9 +116,7 @@ impl Method {
                 Lossless(TwoStep(&FORCE_GRADIENT, tolerance))
             }
             Self::DormandElMikkawyPrince86 { tolerance } => Lossless(Nystrom(tolerance)),
-            Self::DormandPrince54 { tolerance } => {
-                General(Explicit(&DORMAND_PRINCE_54, tolerance))
-            }
+            Self::DormandPrince54 { tolerance } => General(Explicit(&DORMAND_PRINCE_54, tolerance)),
             Self::DormandPrince853 { tolerance } => {
                 General(Explicit(&DORMAND_PRINCE_853, tolerance))
             }

@@ -4,7 +4,7 @@
 //! septic. Errors go as the step to the power 6 and 8, with the small constants `1/(6! 2^6)` and
 //! `1/(8! 2^8)` at mid-step. Source: C. Hermite, J. reine angew. Math. 84, 70 (1878).
 
-use super::State;
+use crate::chain::State;
 
 /// Highest degree of an interpolating polynomial, plus one.
 pub const COEFFICIENTS: usize = 8;

@@ -8,12 +8,11 @@
 //! Source: E. Hairer, S. P. Norsett, G. Wanner, "Solving Ordinary Differential Equations I"
 //! (Springer, 1993), II.5, II.6.
 
-use super::control::{
-    Clock, StepControl, add_compensated, first_step_of, largest, relative_error,
-};
+use super::control::{Clock, StepControl, add_compensated, first_step_of, largest, relative_error};
 use super::hermite::{COEFFICIENTS, Interpolant, between};
-use super::switching::Restart;
-use super::{IntegrateError, Integrator, Scales, State, System, Work, first_not_finite};
+use super::integrator::{IntegrateError, Integrator, Restart, Work, first_not_finite};
+use super::system::{Scales, System};
+use crate::chain::State;
 
 /// Across a kink both embedded solutions are of the same low order, and either's error may vanish
 /// for some place of the kink within the step, but not both at once: with this share of the third
