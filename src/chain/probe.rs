@@ -45,9 +45,12 @@ impl ForceProbe {
         Some(Self::at(chain, body, contacts, [0.5 - offset, 0.5 + offset]))
     }
 
-    /// The force in the contact above body `contact` (from 0).
+    /// The force in the contact above body `contact` (from 0): contact 0 is that of a top wall.
     pub fn contact(chain: &Chain, contact: usize) -> Option<Self> {
-        let above = contact.checked_sub(1)?;
+        let Some(above) = contact.checked_sub(1) else {
+            let contacts = [*chain.contacts().first()?, *chain.contacts().get(1)?];
+            return Some(Self::at(chain, 0, contacts, [1.0, 0.0]));
+        };
         let contacts = [*chain.contacts().get(above)?, *chain.contacts().get(contact)?];
         Some(Self::at(chain, above, contacts, [0.0, 1.0]))
     }

@@ -25,9 +25,16 @@ pub struct StabilityLimit {
     pub lower: String,
 }
 
-/// Largest speed (m/s).
+/// Speeds at which contacts close at most if the bodies beside them have these velocities in
+/// whatever direction: their sum (m/s).
+fn closing_speed(velocity: &[f64], j: usize) -> f64 {
+    let speed = |i: Option<usize>| i.and_then(|i| velocity.get(i)).map_or(0.0, |v| v.abs());
+    speed(j.checked_sub(1)) + speed(Some(j))
+}
+
+/// Largest speed at which neighbours with these velocities meet (m/s).
 fn fastest(velocity: &[f64]) -> f64 {
-    velocity.iter().fold(0.0_f64, |most, v| most.max(v.abs()))
+    (0..=velocity.len()).map(|j| closing_speed(velocity, j)).fold(0.0, f64::max)
 }
 
 impl Chain {
@@ -88,8 +95,7 @@ impl Chain {
             if contact.stiffness == 0.0 {
                 return 0.0;
             }
-            let speed = |i: Option<usize>| i.and_then(|i| velocity.get(i)).map_or(0.0, |v| v.abs());
-            let closing = speed(j.checked_sub(1)).max(speed(Some(j)));
+            let closing = closing_speed(velocity, j);
             let mobility: f64 = self.inverse_masses(j).iter().sum();
             let dynamic = hertz::collision_overlap(contact.stiffness, 1.0 / mobility, closing);
             hertz::tangent_stiffness(contact.stiffness, contact.static_overlap.max(dynamic))

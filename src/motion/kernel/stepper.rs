@@ -271,16 +271,16 @@ fn contact_motion(stiff: Option<&StiffContact>, motion: &Motion) -> ContactMotio
     ContactMotion { overlap, closing: above[1] - below[1], bend: above[2] - below[2] }
 }
 
-/// Largest magnitude (unit).
+/// Largest magnitude; not a number if one of them is not (unit).
 fn largest(rows: &[Row]) -> f64 {
+    let larger = |most: f64, value: f64| if value <= most || most.is_nan() { most } else { value };
     let mut lanes = [0.0_f64; WIDTH];
     for row in rows {
         for (most, value) in lanes.iter_mut().zip(row.0) {
-            let value = value.abs();
-            *most = if value <= *most { *most } else { value };
+            *most = larger(*most, value.abs());
         }
     }
-    lanes.into_iter().fold(0.0, f64::max)
+    lanes.into_iter().fold(0.0, larger)
 }
 
 impl Integrator for VectorStepper {
@@ -324,5 +324,20 @@ impl Integrator for VectorStepper {
 
     fn work(&self) -> Work {
         self.work
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_that_is_not_a_number_is_not_lost_among_larger_ones() {
+        for place in 0..3 * WIDTH {
+            let mut rows = [Row([1.0; WIDTH]), Row([-7.0; WIDTH]), Row([9.0; WIDTH])];
+            assert!((largest(&rows) - 9.0).abs() < f64::EPSILON);
+            rows[place / WIDTH].0[place % WIDTH] = f64::NAN;
+            assert!(largest(&rows).is_nan(), "{place}");
+        }
     }
 }
