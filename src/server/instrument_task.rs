@@ -3,6 +3,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 use std::future::pending;
+use std::io;
 use std::time::Duration;
 
 use tokio::sync::mpsc;
@@ -74,19 +75,19 @@ pub struct InstrumentTask {
     switched_on: Instant,
     /// The shot that the scope triggered on last.
     caught: Option<TriggeredShot>,
-    /// Why the recording ended before the server.
-    lost_recording: Option<ServeError>,
-    warn: fn(&str),
 }
 
 impl InstrumentTask {
     /// Switches the instrument on, set as in the scene; VXI-11 is spoken on `port`.
+    ///
+    /// # Errors
+    /// The system's error if the log's thread cannot be started.
     pub fn new(
         scene: &Scene,
         (options, port): (ServerOptions, u16),
         bench: BenchHandle,
         recorder: Option<Recorder>,
-    ) -> Self {
+    ) -> io::Result<Self> {
         let mut instrument = Instrument::of(&scene.scope, scene.seed);
         let bench_state = BenchState::new(scene, &mut instrument);
         for fault in options.faults {
@@ -95,8 +96,9 @@ impl InstrumentTask {
         let warn = options.warn.unwrap_or(|_| ());
         let behaviour = (options.header, scene.seed);
         let (interrupts, interrupt_news) = InterruptChannels::new();
-        Self {
-            sessions: Sessions::new(instrument, behaviour, recorder, Log::new(options.log, warn)),
+        let log = Log::start(options.log, warn)?;
+        Ok(Self {
+            sessions: Sessions::new(instrument, behaviour, recorder, log),
             connections: BTreeMap::new(),
             hislip: hislip::Server::default(),
             vxi11: vxi11::Vxi11Server::new(port),
@@ -108,17 +110,14 @@ impl InstrumentTask {
             impact_every: options.impact_every,
             orders: options.strikes,
             caught: None,
-            lost_recording: None,
-            warn,
             switched_on: Instant::now(),
-        }
+        })
     }
 
     /// Runs until no connection can be opened any more.
     ///
     /// # Errors
-    /// [`ServeError`] where the bench fails. A recording that fails ends, and is told by
-    /// [`Self::finish`].
+    /// [`ServeError`] where the bench fails. [`Self::finish`] returns the error of a recording.
     pub async fn run(
         &mut self,
         mut news: mpsc::Receiver<ConnectionEvent>,
@@ -155,24 +154,21 @@ impl InstrumentTask {
                 _ = ticks.tick() => {}
             }
             self.advance_time();
+            self.write_finished_records().await;
             self.resume();
             self.start_queued_strike();
-            if let Err(reason) = self.write_finished_records() {
-                (self.warn)(&format!("{reason}; the server goes on without it"));
-                self.lost_recording = Some(reason);
-                self.sessions.recorder = None;
-            }
         }
     }
 
-    /// Ends the recording, if there is one.
+    /// Ends the log and the recording, if there are any.
     ///
     /// # Errors
-    /// [`ServeError::Record`] where it could not be written.
-    pub fn finish(self) -> Result<(), ServeError> {
-        match self.lost_recording {
-            Some(reason) => Err(reason),
-            None => self.sessions.recorder.map_or(Ok(()), Recorder::finish),
+    /// [`ServeError`] if the recording could not be written or finished.
+    pub async fn finish(self) -> Result<(), ServeError> {
+        self.sessions.log.finish().await;
+        match self.sessions.recorder {
+            Some(recorder) => recorder.finish().await,
+            None => Ok(()),
         }
     }
 
@@ -437,16 +433,22 @@ impl InstrumentTask {
         self.sessions.drops.remove(&number);
     }
 
-    fn write_finished_records(&mut self) -> Result<(), ServeError> {
+    /// Records an acquisition that has ended, and waits until it is written, before any client is
+    /// told of it.
+    async fn write_finished_records(&mut self) {
         let finished = self.sessions.instrument.take_finished();
-        let Some(recorder) = &mut self.sessions.recorder else { return Ok(()) };
-        if let Some(finished) = finished {
-            let caught = self
-                .caught
-                .take_if(|caught| finished.trigger.is_some_and(|t| t.shot == caught.shot));
-            recorder.add_acquisition(finished, caught, &mut self.sessions.instrument);
+        self.sessions.log.keep_pace().await;
+        let Some(recorder) = &mut self.sessions.recorder else { return };
+        match finished {
+            Some(finished) => {
+                let caught = self
+                    .caught
+                    .take_if(|caught| finished.trigger.is_some_and(|t| t.shot == caught.shot));
+                recorder.add_acquisition(finished, caught, &mut self.sessions.instrument);
+                recorder.drain().await;
+            }
+            None => recorder.keep_pace().await,
         }
-        recorder.flush_if_due()
     }
 }
 

@@ -17,6 +17,7 @@ mod options;
 mod port_mapper;
 mod recorder;
 mod sessions;
+mod writer;
 
 pub use error::ServeError;
 pub use options::ServerOptions;
@@ -93,18 +94,17 @@ pub fn serve(
         }
         let bench = bench_thread::BenchHandle::start().map_err(start)?;
         let (pieces, inbox) = mpsc::channel(PIECES);
-        let mut task = InstrumentTask::new(
-            scene,
-            (options, port),
-            bench,
-            recording.map(|writer| Recorder::new(writer, scene)),
-        );
+        let warn = options.warn.unwrap_or(|_| ());
+        let recorder = recording.map(|writer| Recorder::start(writer, scene, warn));
+        let recorder = recorder.transpose().map_err(start)?;
+        let mut task =
+            InstrumentTask::new(scene, (options, port), bench, recorder).map_err(start)?;
         let done = tokio::select! {
             () = shutdown => Ok(()),
             done = task.run(inbox) => done,
             () = accept_loop(&listeners, pieces, &mut connections) => Ok(()),
         };
-        let finished = task.finish();
+        let finished = task.finish().await;
         // The instrument task has ended, so every connection ends as soon as its answers are
         // written.
         let _ = tokio::time::timeout(SHUTDOWN_GRACE, async {

@@ -115,6 +115,25 @@ fn a_full_disk_ends_the_recording_and_not_the_server() {
     assert!(set.problems.iter().any(|problem| !problem.is_empty()), "it does not look whole");
 }
 
+/// A log whose reader has stopped (a script that never reads the pipe, a pager) holds up no client,
+/// and signals end the server.
+#[cfg(unix)]
+#[test]
+fn a_log_that_is_not_read_stops_nobody() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("lab.mcap");
+    let (mut child, address) = started("", &["--log", "--record", &file.display().to_string()]);
+    let mut client = connect(address);
+    // 200 bytes of log for each: many times what a pipe holds.
+    for _ in 0..5000 {
+        assert_eq!(client.ask("*IDN?"), IDENTITY);
+    }
+    assert_eq!(connect(address).ask("*IDN?"), IDENTITY);
+    signal(&child, "-TERM");
+    assert_eq!(child.wait().expect("an end").code(), Some(0));
+    assert_eq!(read(&file).expect("a recording").problems, [""; 0]);
+}
+
 /// A terminal that is closed ends the recording as Ctrl-C does.
 #[cfg(unix)]
 #[test]
