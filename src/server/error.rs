@@ -32,7 +32,9 @@ pub enum ServeError {
         reason: WriteError,
     },
     /// The disk stalled, and the recording has no end.
-    #[error("the recording is not finished: the disk took nothing for {seconds} s; what it has can be read")]
+    #[error(
+        "the recording is not finished: the disk took nothing for {seconds} s; what it has can be read"
+    )]
     RecordStalled {
         /// How long it was waited for (s).
         seconds: u64,

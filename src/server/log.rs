@@ -25,7 +25,8 @@ impl Log {
     /// # Errors
     /// The system's error if the writer's thread cannot be started.
     pub fn start(out: Option<Box<dyn Write + Send>>, warn: fn(&str)) -> io::Result<Self> {
-        let writer = out.map(|out| BackgroundWriter::start("log", LogSink(out), warn)).transpose()?;
+        let writer =
+            out.map(|out| BackgroundWriter::start("log", LogSink(out), warn)).transpose()?;
         Ok(Self { started: Instant::now(), writer })
     }
 

@@ -191,9 +191,8 @@ impl Sink for RecordingSink {
             RecordingEntry::Shot(shot) => {
                 let (shot, notes, other) = *shot;
                 self.last = shot.timestamp_ns;
-                let attached = other.map_or(Ok(()), |(scene, impact)| {
-                    self.attach(&scene, shot.number, impact)
-                });
+                let attached = other
+                    .map_or(Ok(()), |(scene, impact)| self.attach(&scene, shot.number, impact));
                 attached.and_then(|()| self.writer.add(&shot, &notes))
             }
         };
