@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::future::pending;
 use std::io;
+use std::net::{IpAddr, SocketAddr};
 use std::time::Duration;
 
 use tokio::sync::mpsc;
@@ -12,7 +13,6 @@ use tokio::time::{Instant, Interval, MissedTickBehavior, interval_at};
 use super::bench_state::BenchState;
 use super::bench_thread::{BenchHandle, GroundTruth, StrikeSignals};
 use super::connection::{ConnectionEvent, OutgoingBytes, Protocol};
-use super::interrupt_channels::InterruptChannels;
 use super::log::Log;
 use super::recorder::{Recorder, TriggeredShot};
 use super::sessions::{SessionId, Sessions};
@@ -63,9 +63,6 @@ pub struct InstrumentTask {
     connections: BTreeMap<u64, ConnectionEntry>,
     hislip: hislip::Server,
     vxi11: vxi11::Vxi11Server,
-    interrupts: InterruptChannels,
-    /// What becomes of interrupt channels.
-    interrupt_news: mpsc::Receiver<(u64, bool)>,
     /// Input of raw connections that is to be executed, a message at a turn.
     pieces: VecDeque<RawPiece>,
     bench: BenchHandle,
@@ -95,15 +92,12 @@ impl InstrumentTask {
         }
         let warn = options.warn.unwrap_or(|_| ());
         let behaviour = (options.header, scene.seed);
-        let (interrupts, interrupt_news) = InterruptChannels::new();
         let log = Log::start(options.log, warn)?;
         Ok(Self {
             sessions: Sessions::new(instrument, behaviour, recorder, log),
             connections: BTreeMap::new(),
             hislip: hislip::Server::default(),
             vxi11: vxi11::Vxi11Server::new(port),
-            interrupts,
-            interrupt_news,
             pieces: VecDeque::new(),
             bench,
             bench_state,
@@ -136,9 +130,6 @@ impl InstrumentTask {
                     let struck = struck?;
                     self.advance_time();
                     self.deliver_signals(struck)?;
-                }
-                Some((number, is_open)) = self.interrupt_news.recv() => {
-                    self.vxi11.interrupt_channel(number, is_open);
                 }
                 () = tick(strikes.as_mut()) => {
                     self.strike();
@@ -196,13 +187,16 @@ impl InstrumentTask {
                 match protocol {
                     Protocol::Raw => self.sessions.open_session(SessionId::Raw(number), number),
                     Protocol::Hislip => self.hislip.opened(number),
-                    Protocol::Vxi11 => self.vxi11.opened(number, peer.ip()),
+                    Protocol::Vxi11 => self.vxi11.opened(number),
                 }
             }
             ConnectionEvent::Bytes { number, bytes } => {
                 let Some(connection) = self.connections.get_mut(&number) else { return };
                 connection.asked = true;
-                connection.heard = Instant::now();
+                // Ends of lines alone keep no connection.
+                if connection.protocol != Protocol::Raw || !bytes.trim_ascii().is_empty() {
+                    connection.heard = Instant::now();
+                }
                 match connection.protocol {
                     Protocol::Raw => {
                         connection.asked = false;
@@ -219,8 +213,8 @@ impl InstrumentTask {
                     _ => self.drop_connection(number),
                 }
             }
-            ConnectionEvent::Crowded { gave_way } => {
-                let idle = self.longest_idle();
+            ConnectionEvent::Crowded { peer, gave_way } => {
+                let idle = self.longest_idle(peer);
                 if let Some(number) = idle {
                     self.drop_connection(number);
                 }
@@ -313,16 +307,21 @@ impl InstrumentTask {
         }
     }
 
-    /// The connection that has been idle for longest, if any is. One whose reply waits for an
+    /// The connection, of this peer if one is given, that has been idle for longest, if any is. One whose reply waits for an
     /// acquisition is not; the two of a HiSLIP session are idle together.
-    fn longest_idle(&self) -> Option<u64> {
+    fn longest_idle(&self, peer: Option<IpAddr>) -> Option<u64> {
         let heard = |number: u64| {
             let own = self.connections.get(&number).map(|connection| connection.heard);
             let other = self.hislip.partner(number);
             own.max(other.and_then(|n| self.connections.get(&n)).map(|other| other.heard))
         };
+        let is_of_peer = |number: u64| {
+            let address = self.sessions.peers.get(&number).map(SocketAddr::ip);
+            peer.is_none() || address == peer
+        };
         let is_free = |number: u64, connection: &ConnectionEntry| {
-            !connection.asked
+            is_of_peer(number)
+                && !connection.asked
                 && !self.hislip.is_waiting(number, &self.sessions)
                 && !self.vxi11.is_waiting(number, &self.sessions)
                 && !self.sessions.is_waiting(SessionId::Raw(number))
@@ -363,9 +362,6 @@ impl InstrumentTask {
             }
         }
         self.vxi11.settle(&mut self.sessions);
-        for interrupt in self.vxi11.take_interrupts() {
-            self.interrupts.act(interrupt);
-        }
         let outputs = self.hislip.take_output().into_iter().chain(self.vxi11.take_output());
         for output in outputs.collect::<Vec<_>>() {
             self.send_bytes(output.connection, output.bytes, false);

@@ -5,7 +5,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use hertzscope::recording::mcap::read;
-use hertzscope::server::MOST_CONNECTIONS;
+use hertzscope::server::MAX_CONNECTIONS_OF_PEER;
 
 use super::process::Process;
 use super::{Client, IDENTITY, Server, connect};
@@ -43,7 +43,7 @@ fn the_oldest_idle_connection_gives_way() {
     let server = Server::at_rest();
     let mut talks = server.connect();
     assert_eq!(talks.ask("*IDN?"), IDENTITY);
-    let mut silent: Vec<Client> = (1..MOST_CONNECTIONS).map(|_| server.connect()).collect();
+    let mut silent: Vec<Client> = (1..MAX_CONNECTIONS_OF_PEER).map(|_| server.connect()).collect();
     std::thread::sleep(Duration::from_millis(1200));
     assert_eq!(talks.ask("*IDN?"), IDENTITY);
     for _ in 0..3 {
@@ -51,6 +51,21 @@ fn the_oldest_idle_connection_gives_way() {
     }
     assert!(silent[0].is_closed(), "the oldest");
     assert_eq!(talks.ask("*IDN?"), IDENTITY, "it has been heard since");
+}
+
+/// Ends of lines alone keep no connection: whoever sends nothing else gives way.
+#[test]
+fn chatty_connections_give_way() {
+    let server = Server::at_rest();
+    let mut chatty: Vec<Client> = (0..MAX_CONNECTIONS_OF_PEER).map(|_| server.connect()).collect();
+    for _ in 0..5 {
+        chatty.iter_mut().for_each(|client| client.send(b"\n"));
+        std::thread::sleep(Duration::from_millis(300));
+    }
+    chatty.iter_mut().for_each(|client| client.send(b"\n"));
+    for _ in 0..3 {
+        assert_eq!(server.connect().ask("*IDN?"), IDENTITY);
+    }
 }
 
 /// A server of its own process with what it says on standard error.
