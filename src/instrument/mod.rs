@@ -24,7 +24,7 @@ pub mod status;
 pub mod timing;
 pub mod transfer;
 
-pub use bench::RemoteBench;
+pub use bench::{BenchAccess, RemoteBench};
 pub use event::Event;
 pub use fault::{Fault, Faults};
 pub use outcome::{Accepted, Finished, TriggerInstant};

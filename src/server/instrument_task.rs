@@ -92,7 +92,8 @@ impl InstrumentTask {
         }
         let warn = options.warn.unwrap_or(|_| ());
         let behaviour = (options.header, scene.seed);
-        let log = Log::start(options.log, warn)?;
+        instrument.bench.access = options.access;
+        let log = Log::start(options.log, options.size_limit, warn)?;
         Ok(Self {
             sessions: Sessions::new(instrument, behaviour, recorder, log),
             connections: BTreeMap::new(),

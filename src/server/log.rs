@@ -20,13 +20,18 @@ pub struct Log {
 }
 
 impl Log {
-    /// Writes to `out`, if there is one; `warn` is called if that fails.
+    /// Writes to `out`, if there is one, up to `limit` (bytes); `warn` is called if it ends before
+    /// the server.
     ///
     /// # Errors
     /// The system's error if the writer's thread cannot be started.
-    pub fn start(out: Option<Box<dyn Write + Send>>, warn: fn(&str)) -> io::Result<Self> {
-        let writer =
-            out.map(|out| BackgroundWriter::start("log", LogSink(out), warn)).transpose()?;
+    pub fn start(
+        out: Option<Box<dyn Write + Send>>,
+        limit: Option<u64>,
+        warn: fn(&str),
+    ) -> io::Result<Self> {
+        let sink = out.map(|out| LogSink { out, written: 0, limit });
+        let writer = sink.map(|sink| BackgroundWriter::start("log", sink, warn)).transpose()?;
         Ok(Self { started: Instant::now(), writer })
     }
 
@@ -62,11 +67,16 @@ impl Log {
 }
 
 /// The output of a log.
-struct LogSink(Box<dyn Write + Send>);
+struct LogSink {
+    out: Box<dyn Write + Send>,
+    written: u64,
+    limit: Option<u64>,
+}
 
 impl LogSink {
     fn put(&mut self, text: &str) -> Result<(), String> {
-        let written = self.0.write_all(text.as_bytes()).and_then(|()| self.0.flush());
+        self.written += text.len() as u64;
+        let written = self.out.write_all(text.as_bytes()).and_then(|()| self.out.flush());
         written.map_err(|reason| format!("the log could not be written: {reason}"))
     }
 }
@@ -85,6 +95,11 @@ impl Sink for LogSink {
 
     fn flush(&mut self) -> Result<(), String> {
         Ok(())
+    }
+
+    fn limit_reached(&self) -> Option<String> {
+        let limit = self.limit.filter(|limit| self.written >= *limit)?;
+        Some(format!("the log has reached its limit of {limit} bytes"))
     }
 
     fn finish(self) -> Result<(), String> {

@@ -96,8 +96,8 @@ pub fn serve(
         }
         let bench = bench_thread::BenchHandle::start().map_err(start)?;
         let (pieces, inbox) = mpsc::channel(PIECES);
-        let warn = options.warn.unwrap_or(|_| ());
-        let recorder = recording.map(|writer| Recorder::start(writer, scene, warn));
+        let (warn, limit) = (options.warn.unwrap_or(|_| ()), options.size_limit);
+        let recorder = recording.map(|writer| Recorder::start(writer, scene, limit, warn));
         let recorder = recorder.transpose().map_err(start)?;
         let mut task =
             InstrumentTask::new(scene, (options, port), bench, recorder).map_err(start)?;

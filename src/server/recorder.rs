@@ -45,15 +45,21 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Takes over an open writer; `served` is the scene that the server was started with. `warn` is
-    /// called if the recording fails.
+    /// Takes over an open writer, which writes up to `limit` (bytes); `served` is the scene that the
+    /// server was started with. `warn` is called if the recording ends before the server.
     ///
     /// # Errors
     /// The system's error if the writer's thread cannot be started.
-    pub fn start(writer: RecordingWriter, served: &Scene, warn: fn(&str)) -> io::Result<Self> {
+    pub fn start(
+        writer: RecordingWriter,
+        served: &Scene,
+        limit: Option<u64>,
+        warn: fn(&str),
+    ) -> io::Result<Self> {
         let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
         let began = since_1970.map_or(0, nanoseconds);
-        let sink = RecordingSink { writer, attached: vec![served.name.clone()], last: 0 };
+        let attached = vec![served.name.clone()];
+        let sink = RecordingSink { writer, attached, last: 0, limit };
         let writer = BackgroundWriter::start("recording", sink, warn)?;
         Ok(Self { writer, opened: Instant::now(), began, shots: 0 })
     }
@@ -165,6 +171,7 @@ struct RecordingSink {
     attached: Vec<String>,
     /// Unix time of the last entry (ns).
     last: u64,
+    limit: Option<u64>,
 }
 
 impl RecordingSink {
@@ -208,6 +215,12 @@ impl Sink for RecordingSink {
 
     fn flush(&mut self) -> Result<(), ServeError> {
         self.writer.flush().map_err(|reason| ServeError::Record { reason })
+    }
+
+    fn limit_reached(&self) -> Option<String> {
+        let limit = self.limit?;
+        let written = std::fs::metadata(self.writer.file()).ok()?.len();
+        (written >= limit).then(|| format!("the recording has reached its limit of {limit} bytes"))
     }
 
     fn finish(self) -> Result<(), ServeError> {

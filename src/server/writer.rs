@@ -36,6 +36,8 @@ pub trait Sink: Send + 'static {
     fn write(&mut self, entry: Self::Entry) -> Result<(), Self::Error>;
     /// Writes that `count` entries were lost here.
     fn write_loss(&mut self, count: u64) -> Result<(), Self::Error>;
+    /// Says that the output has become as large as it may, looked at after each flush.
+    fn limit_reached(&self) -> Option<String>;
     /// Hands what was written to the operating system.
     fn flush(&mut self) -> Result<(), Self::Error>;
     /// Ends the output.
@@ -131,14 +133,18 @@ impl<S: Sink> BackgroundWriter<S> {
     }
 }
 
-/// Writes until the queue is closed or something fails.
+/// Writes until the queue is closed, the output is as large as it may be, or something fails.
 fn write_all<S: Sink>(
     mut sink: S,
     inbox: &Receiver<Queued<S::Entry>>,
     warn: fn(&str),
 ) -> Result<(), S::Error> {
     match copy(&mut sink, inbox) {
-        Ok(()) => sink.finish(),
+        Ok(None) => sink.finish(),
+        Ok(Some(reason)) => {
+            warn(&format!("{reason}; the server goes on without it"));
+            sink.finish()
+        }
         Err(reason) => {
             warn(&format!("{reason}; the server goes on without it"));
             // What was written stays; what failed first is the cause.
@@ -148,7 +154,11 @@ fn write_all<S: Sink>(
     }
 }
 
-fn copy<S: Sink>(sink: &mut S, inbox: &Receiver<Queued<S::Entry>>) -> Result<(), S::Error> {
+/// Copies entries to the sink; returns why it ended before the queue.
+fn copy<S: Sink>(
+    sink: &mut S,
+    inbox: &Receiver<Queued<S::Entry>>,
+) -> Result<Option<String>, S::Error> {
     let mut unflushed: Option<Instant> = None;
     loop {
         let wait = unflushed.map(|since| FLUSH_INTERVAL.saturating_sub(since.elapsed()));
@@ -167,11 +177,15 @@ fn copy<S: Sink>(sink: &mut S, inbox: &Receiver<Queued<S::Entry>>) -> Result<(),
                 unflushed.get_or_insert_with(Instant::now);
             }
             Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) => return Ok(()),
+            Err(RecvTimeoutError::Disconnected) => return Ok(None),
         }
         if unflushed.is_some_and(|since| since.elapsed() >= FLUSH_INTERVAL) {
             sink.flush()?;
             unflushed = None;
+            let reached = sink.limit_reached();
+            if reached.is_some() {
+                return Ok(reached);
+            }
         }
     }
 }
@@ -204,6 +218,10 @@ mod tests {
 
         fn flush(&mut self) -> Result<(), String> {
             Ok(())
+        }
+
+        fn limit_reached(&self) -> Option<String> {
+            None
         }
 
         fn finish(self) -> Result<(), String> {

@@ -1,6 +1,6 @@
 //! The bench behind the instrument: `BENCh`. No real oscilloscope has these commands.
 
-use crate::instrument::Event;
+use crate::instrument::{BenchAccess, Event};
 use crate::scope::limits;
 use crate::scpi::argument::{flag, none, only, real};
 use crate::scpi::message::Argument;
@@ -88,32 +88,40 @@ fn number(context: &Context<'_>, setting: Option<f64>) -> Result<ReplyValue, Def
     Ok(ReplyValue::Number(setting.ok_or(Event::SettingsConflict)?))
 }
 
-/// The result of a setting that this bench may not have.
-fn set(context: &Context<'_>, is_there: bool) -> Result<(), Deferred> {
+/// Whether clients may change the bench.
+fn changeable(context: &Context<'_>) -> Result<(), Event> {
     present(context)?;
+    match context.instrument.bench.access {
+        BenchAccess::Full | BenchAccess::NoFaults => Ok(()),
+        BenchAccess::ReadOnly => Err(Event::HardwareMissing),
+    }
+}
+
+/// The result of a setting that this bench may not have.
+fn set(is_there: bool) -> Result<(), Deferred> {
     if is_there { Ok(()) } else { Err(Event::SettingsConflict.into()) }
 }
 
 fn strike(context: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Deferred> {
     none(arguments)?;
-    present(context)?;
+    changeable(context)?;
     context.instrument.bench.ask_for_impact();
     Ok(())
 }
 
 fn set_striker_mass(context: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Deferred> {
-    let is_there = context.instrument.bench.set_striker_mass(real(arguments)?);
-    set(context, is_there)
+    changeable(context)?;
+    set(context.instrument.bench.set_striker_mass(real(arguments)?))
 }
 
 fn set_striker_speed(context: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Deferred> {
-    let is_there = context.instrument.bench.set_striker_speed(real(arguments)?);
-    set(context, is_there)
+    changeable(context)?;
+    set(context.instrument.bench.set_striker_speed(real(arguments)?))
 }
 
 fn set_magnet_force(context: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Deferred> {
-    let is_there = context.instrument.bench.set_magnet_force(real(arguments)?);
-    set(context, is_there)
+    changeable(context)?;
+    set(context.instrument.bench.set_magnet_force(real(arguments)?))
 }
 
 fn set_fine(context: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Deferred> {
@@ -130,7 +138,7 @@ fn set_scene(context: &mut Context<'_>, arguments: &[Argument]) -> Result<(), De
         Argument::Word(name) | Argument::Text(name) => name,
         Argument::Block(_) => return Err(Event::DataType.into()),
     };
-    present(context)?;
+    changeable(context)?;
     if context.instrument.bench.set_scene(name) {
         Ok(())
     } else {
@@ -142,7 +150,10 @@ fn set_fault(context: &mut Context<'_>, arguments: &[Argument]) -> Result<(), De
     let (Argument::Word(text) | Argument::Text(text)) = only(arguments)? else {
         return Err(Event::DataType.into());
     };
-    present(context)?;
+    changeable(context)?;
+    if context.instrument.bench.access == BenchAccess::NoFaults {
+        return Err(Event::HardwareMissing.into());
+    }
     let faults = &mut context.instrument.bench.faults;
     if text.eq_ignore_ascii_case("none") {
         faults.clear();

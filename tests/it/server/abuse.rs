@@ -130,6 +130,33 @@ fn a_full_disk_ends_the_recording_and_not_the_server() {
     assert!(set.problems.iter().any(|problem| !problem.is_empty()), "it does not look whole");
 }
 
+/// A log has a size limit: the server says so and goes on.
+#[cfg(unix)]
+#[test]
+fn a_log_ends_at_its_size_limit() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let log = folder.path().join("serve.log");
+    let arguments = [format!("--log={}", log.display()), "--size-limit=1".to_owned()];
+    let arguments = arguments.each_ref().map(String::as_str);
+    let (child, address) = started("", &arguments);
+    let mut client = connect(address);
+    let length = || std::fs::metadata(&log).expect("a log").len();
+    // 150 bytes of log each; the limit is looked at once a second.
+    while length() < 1_000_000 {
+        assert_eq!(client.ask("*IDN?"), IDENTITY);
+    }
+    let mut before = 0;
+    while length() > before {
+        before = length();
+        std::thread::sleep(Duration::from_millis(1100));
+        assert_eq!(client.ask("*IDN?"), IDENTITY);
+    }
+    signal(&child, "-TERM");
+    let (code, said) = end(child);
+    assert!(said.contains("limit of 1000000 bytes") && said.contains("goes on"), "{said}");
+    assert_eq!(code, Some(0));
+}
+
 /// A log whose reader has stopped (a script that never reads the pipe, a pager) holds up no client,
 /// and signals end the server.
 #[cfg(unix)]
