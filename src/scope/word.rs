@@ -1,14 +1,18 @@
 //! Settings that are words: one spelling, its capitals the shortest form that the remote interface
 //! takes.
 
-use crate::scope::{
-    AcquireMode, Coupling, EdgeCoupling, Slope, Source, TriggerMode, TriggerSource,
-};
+use super::{Source, TriggerSource};
 
 /// A setting that the remote interface names with one word.
 pub trait Word: Copy + PartialEq + Sync + 'static {
     /// Every choice with its spelling; the leading capitals and digits are the shortest form.
     const WORDS: &'static [(Self, &'static str)];
+
+    /// Whether a model with so many channels has this choice. It has as many reference memories as
+    /// channels.
+    fn exists(self, _channels: u8) -> bool {
+        true
+    }
 
     /// The spelling of this choice.
     fn word(self) -> &'static str {
@@ -19,6 +23,27 @@ pub trait Word: Copy + PartialEq + Sync + 'static {
     /// one.
     fn from_word(typed: &str) -> Option<Self> {
         Self::WORDS.iter().find(|(_, word)| abbreviates(typed, word)).map(|(choice, _)| *choice)
+    }
+}
+
+/// A setting that is a [`Word`] of any kind.
+pub trait WordSetting {
+    /// The spelling of the present choice.
+    fn spelling(&self) -> &'static str;
+    /// Sets the choice that `typed` stands for, on a model with so many channels. Whether there is
+    /// one.
+    fn choose(&mut self, typed: &str, channels: u8) -> bool;
+}
+
+impl<T: Word> WordSetting for T {
+    fn spelling(&self) -> &'static str {
+        self.word()
+    }
+
+    fn choose(&mut self, typed: &str, channels: u8) -> bool {
+        let choice = T::from_word(typed).filter(|choice| choice.exists(channels));
+        *self = choice.unwrap_or(*self);
+        choice.is_some()
     }
 }
 
@@ -41,44 +66,15 @@ macro_rules! words {
         $($(#[$variant_meta:meta])* $variant:ident = $word:literal),+ $(,)?
     })+) => { $(
         $(#[$meta])*
-        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         pub enum $name { $($(#[$variant_meta])* $variant),+ }
 
-        impl $crate::instrument::word::Word for $name {
+        impl $crate::scope::word::Word for $name {
             const WORDS: &'static [(Self, &'static str)] = &[$((Self::$variant, $word)),+];
         }
     )+ };
 }
 pub(crate) use words;
-
-impl Word for Coupling {
-    const WORDS: &'static [(Self, &'static str)] =
-        &[(Self::Dc, "DC"), (Self::Ac, "AC"), (Self::Ground, "GND")];
-}
-
-impl Word for AcquireMode {
-    const WORDS: &'static [(Self, &'static str)] =
-        &[(Self::Sample, "SAMple"), (Self::PeakDetect, "PEAKdetect"), (Self::Average, "AVErage")];
-}
-
-impl Word for EdgeCoupling {
-    const WORDS: &'static [(Self, &'static str)] = &[
-        (Self::Dc, "DC"),
-        (Self::Ac, "AC"),
-        (Self::HighFrequencyReject, "HFRej"),
-        (Self::LowFrequencyReject, "LFRej"),
-        (Self::NoiseReject, "NOISErej"),
-    ];
-}
-
-impl Word for Slope {
-    const WORDS: &'static [(Self, &'static str)] = &[(Self::Rise, "RISe"), (Self::Fall, "FALL")];
-}
-
-impl Word for TriggerMode {
-    const WORDS: &'static [(Self, &'static str)] =
-        &[(Self::Auto, "AUTO"), (Self::Normal, "NORMal")];
-}
 
 impl Word for TriggerSource {
     const WORDS: &'static [(Self, &'static str)] = &[
@@ -90,6 +86,10 @@ impl Word for TriggerSource {
         (Self::External5, "EXT5"),
         (Self::Line, "LINE"),
     ];
+
+    fn exists(self, channels: u8) -> bool {
+        self.channel().is_none_or(|number| number <= channels)
+    }
 }
 
 impl Word for Source {
@@ -104,4 +104,12 @@ impl Word for Source {
         (Self::Reference('C'), "REFC"),
         (Self::Reference('D'), "REFD"),
     ];
+
+    fn exists(self, channels: u8) -> bool {
+        match self {
+            Self::Channel(number) => number <= channels,
+            Self::Math => true,
+            Self::Reference(letter) => ('A'..='D').take(channels.into()).any(|l| l == letter),
+        }
+    }
 }

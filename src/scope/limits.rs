@@ -3,9 +3,9 @@
 //! Numbers are clamped and snapped, never refused. How far each knob turns is the model's data
 //! file's to say.
 
+use super::Model;
+use super::model::{RANGE_END_FACTOR, nearest};
 use super::panel::Channel;
-use crate::scope::Model;
-use crate::scope::model::{RANGE_END_FACTOR, nearest};
 
 /// A number to `digits` significant decimal digits, so that steps do not show the rounding of
 /// binary numbers (unit).
@@ -39,13 +39,24 @@ pub fn turn_scale(model: &Model, channel: &mut Channel, scale: f64) {
 
 /// A vertical position at a scale through a probe, in steps of a level of the digitiser (div).
 pub fn vertical_position(model: &Model, position: f64, scale: f64, probe: f64) -> f64 {
+    let steps = position_steps(model);
+    let reach = vertical_reach(model, scale, probe);
+    ((position * steps).round() / steps).clamp(-reach, reach)
+}
+
+/// Farthest vertical position at a scale through a probe (div).
+pub fn vertical_reach(model: &Model, scale: f64, probe: f64) -> f64 {
     let at_input = scale / probe;
     let limits = &model.limits;
     let is_near = at_input <= limits.near_offset_until * RANGE_END_FACTOR;
     let reach = if is_near { limits.near_offset } else { limits.far_offset };
-    let steps_in_division = (1.0 / model.position_step).round().max(1.0);
-    let farthest = (reach / at_input * RANGE_END_FACTOR * steps_in_division).floor();
-    (position * steps_in_division).round().clamp(-farthest, farthest) / steps_in_division
+    let steps = position_steps(model);
+    (reach / at_input * RANGE_END_FACTOR * steps).floor() / steps
+}
+
+/// Steps of a position in a division (1).
+fn position_steps(model: &Model) -> f64 {
+    (1.0 / model.position_step).round().max(1.0)
 }
 
 /// A time base: the nearest of the model's (s/div).
@@ -56,6 +67,12 @@ pub fn time_base(model: &Model, scale: f64) -> f64 {
 /// A horizontal position in the model's steps of a division (s).
 pub fn horizontal_position(model: &Model, position: f64, scale: f64) -> f64 {
     let step = scale * model.position_step;
+    let clamped = within(position, horizontal_range(model, scale));
+    rounded((clamped / step).round() * step, 9)
+}
+
+/// Earliest and latest horizontal position at a time base (s).
+pub fn horizontal_range(model: &Model, scale: f64) -> (f64, f64) {
     let limits = &model.limits;
     let latest = limits
         .latest_positions
@@ -63,8 +80,7 @@ pub fn horizontal_position(model: &Model, position: f64, scale: f64) -> f64 {
         .find(|(until, _)| scale <= until * RANGE_END_FACTOR)
         .or(limits.latest_positions.last())
         .map_or(0.0, |(_, latest)| *latest);
-    let clamped = position.clamp(-limits.earliest_position * scale, latest.max(0.0));
-    rounded((clamped / step).round() * step, 9)
+    (-limits.earliest_position * scale, latest.max(0.0))
 }
 
 /// A number within a range (unit).
