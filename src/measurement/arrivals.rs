@@ -35,8 +35,8 @@ const DIFFERENT_SPEEDS: f64 = 0.1;
 pub struct Arrival {
     /// `half_rise`, `peak`, `ten_percent` or `maximum_slope`.
     pub estimator: &'static str,
-    /// Time after the trigger, which is known to a sample interval, seconds; none where it cannot
-    /// be told.
+    /// Time after the crossing of the trigger's level, which lies within the sample interval before
+    /// the record's zero, seconds; none if it is not determined.
     pub time_s: Option<Uncertain>,
 }
 
@@ -316,12 +316,12 @@ fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArriva
         Uncertain { value, u, half_width }
     });
     // The signal crossed the trigger's level somewhere in the sample interval before the record's
-    // zero.
-    let interval = capture.waveform.preamble.x_incr;
+    // zero: on average half an interval before it, evenly distributed within that.
+    let half = 0.5 * capture.waveform.preamble.x_incr;
     let after_trigger = |time: Uncertain| Uncertain {
-        u: time.u.hypot(interval / 3f64.sqrt()),
-        half_width: interval,
-        ..time
+        value: time.value + half,
+        u: time.u.hypot(half / 3f64.sqrt()),
+        half_width: half,
     };
     let arrival = |estimator: Estimator| Arrival {
         estimator: estimator.key(),

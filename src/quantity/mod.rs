@@ -47,6 +47,13 @@ impl Uncertain {
         expanded_95(self.u, self.half_width)
     }
 
+    /// True if both numbers are finite and the standard uncertainty is no larger than the value:
+    /// beyond that a measurement says nothing of the quantity, and propagation of uncertainty does
+    /// not hold.
+    pub fn is_known(self) -> bool {
+        self.value.is_finite() && self.u >= 0.0 && self.u <= self.value.abs()
+    }
+
     /// This over another, independent of it.
     pub fn over(self, other: Self) -> Self {
         let value = self.value / other.value;

@@ -46,7 +46,10 @@ fn monte_carlo(report: &CalibrationReport) -> Vec<[String; 2]> {
         row("", format!("the ends {verdict}: {apart} apart, tolerance {tolerance} {criterion}")),
     ];
     let [low, high] = drawn.propagated_95_v_per_n;
-    if 2.0 * report.expanded_v_per_n > WIDER_FACTOR * (high - low) {
+    if !drawn.agrees_with_gum {
+        let rule = "propagation does not hold: the certified interval reaches the farther end of the drawn one (JCGM 101, 8.2)";
+        rows.push(row("", rule.to_owned()));
+    } else if 2.0 * report.expanded_v_per_n > WIDER_FACTOR * (high - low) {
         let factor = report.coverage_factor;
         let wider = format!("the certified interval is wider by Student's t (k = {factor:.2})");
         rows.push(row("", wider));

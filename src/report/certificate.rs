@@ -33,7 +33,7 @@ impl Certificate<'_> {
             two(&self.identification(), "", ""),
             heading("Result"),
             two(&results(report), "quantity", "value"),
-            Part::Paragraph("The uncertainties stated are expanded ones that cover 95 %: the standard uncertainty times a coverage factor k. This is Student's t for the effective degrees of freedom (Welch-Satterthwaite), or smaller, down to 1.65, where an input that is evenly distributed within limits, such as a data sheet's gain, outweighs the others. The results hold for the item calibrated, under the conditions stated, within the range of forces.".to_owned()),
+            Part::Paragraph("The uncertainties stated are expanded ones that cover 95 %: the standard uncertainty times a coverage factor k. This is Student's t for the effective degrees of freedom (Welch-Satterthwaite), or smaller, down to 1.65, where an input that is evenly distributed within limits, such as a data sheet's gain, outweighs the others. If the Monte Carlo check does not confirm the propagation of uncertainty, the interval of its draws is stated instead, up to its farther end. The results hold for the item calibrated, under the conditions stated, within the range of forces.".to_owned()),
             heading("Impacts"),
             table(impact_rows(report)),
         ];

@@ -4,6 +4,7 @@ mod blind;
 mod command;
 mod droop;
 mod exclusions;
+mod impossible;
 mod sensors;
 mod uncertainty;
 

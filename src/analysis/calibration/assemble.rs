@@ -44,7 +44,7 @@ pub fn assemble(
     }
     let budget = propagate(&model);
     let u = budget.iter().map(|line| line.contribution.powi(2)).sum::<f64>().sqrt();
-    let half_width = common.gain.half_width / common.gain.value * sensitivity;
+    let half_width = model.half_width(&model.contributions_to_sensitivity());
     let normal = (u * u - half_width * half_width / 3.0).max(0.0).sqrt();
     let mut calibration = Calibration {
         sensitivity,
@@ -65,6 +65,9 @@ pub fn assemble(
         impacts,
         notes: Vec::new(),
     };
+    if let Some(drawn) = calibration.unconfirmed() {
+        calibration.u = drawn.u;
+    }
     calibration.notes = notes(&calibration, common, model.tail_tau());
     calibration
 }

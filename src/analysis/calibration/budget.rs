@@ -1,9 +1,9 @@
 //! Propagation of uncertainty: every input's part in that of the sensitivity.
 //!
-//! `u^2 = sum of (c_i u_i)^2`, `c_i u_i` taken as half the change of the result between one
-//! standard uncertainty below and above. Inputs are independent of each other; what impacts share
-//! is one input. Source: JCGM 100:2008, 5.1.2, with 5.1.3 note 2. Valid where the result is nearly
-//! linear over that range: the Monte-Carlo part tells.
+//! `u^2 = sum of (c_i u_i)^2`, with the sensitivity coefficients `c_i` the derivatives at the
+//! estimates. Inputs are independent of each other; what impacts share is one input. Source: JCGM
+//! 100:2008, 5.1.2 and 5.1.3. Valid where the result is nearly linear over the uncertainties, which
+//! the Monte Carlo part checks.
 
 use super::model::{InputKind, MeasurementEquation};
 
@@ -29,18 +29,13 @@ pub struct BudgetLine {
 impl BudgetLine {
     /// Its name, as in a table.
     pub fn name(&self) -> String {
-        if self.which.is_empty() {
-            self.kind.name().to_owned()
-        } else {
-            format!("{}, {}", self.kind.name(), self.which)
-        }
+        self.kind.of(&self.which)
     }
 }
 
 /// The budget of `model`: all inputs that are uncertain.
 pub fn propagate(model: &MeasurementEquation) -> Vec<BudgetLine> {
-    let sensitivity = |values: &[f64]| model.evaluate(values);
-    let changes: Vec<f64> = model.changes(&sensitivity).collect();
+    let changes = model.contributions_to_sensitivity();
     let variance: f64 = changes.iter().map(|change| change * change).sum();
     let lines = model.inputs().iter().zip(changes).filter(|(input, _)| input.u > 0.0);
     lines

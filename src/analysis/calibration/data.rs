@@ -34,6 +34,28 @@ pub enum CalibrationError {
         "found no time constant: none is given, and no record goes on long enough behind its contact to show one"
     )]
     NoTimeConstant,
+    /// An input whose uncertainty exceeds its value.
+    #[error(
+        "{input}: found {value:e} {unit} with a standard uncertainty of {u:e} {unit}, expected one below the value: nothing is known of it"
+    )]
+    UnknownInput {
+        /// The input's name.
+        input: String,
+        /// Its estimate (unit).
+        value: f64,
+        /// Its standard uncertainty (unit).
+        u: f64,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// A result that is not finite.
+    #[error(
+        "found a result that is not finite ({quantity}), expected a number: check masses, heights, speeds, their units and their uncertainties"
+    )]
+    NotFinite {
+        /// Which result.
+        quantity: String,
+    },
 }
 
 pub(super) fn listed(reasons: &[(usize, Exclusion)]) -> String {
@@ -135,11 +157,67 @@ impl Calibration {
         self.expanded() / self.u
     }
 
-    /// Expanded uncertainty of the sensitivity for 95 %: the normal part by Student's t, the even
-    /// one by its limits (V/N).
+    /// Expanded uncertainty of the sensitivity for 95 % (V/N).
+    ///
+    /// By propagation of uncertainty, the normal part by Student's t, the even one by its limits.
+    /// Where the Monte Carlo check does not confirm propagation, its interval takes the place
+    /// (JCGM 101:2008, 8.2): the distance of its farther end, by Student's t, too.
     pub fn expanded(&self) -> f64 {
+        let student = student_95(self.freedom) / NORMAL_95;
+        if let Some(drawn) = self.unconfirmed() {
+            let [low, high] = drawn.interval_95.map(|end| (end - self.sensitivity).abs());
+            return low.max(high) * student;
+        }
         let even = self.half_width / 3f64.sqrt();
         let normal = (self.u * self.u - even * even).max(0.0).sqrt();
-        expanded_95(even.hypot(normal * student_95(self.freedom) / NORMAL_95), self.half_width)
+        expanded_95(even.hypot(normal * student), self.half_width)
+    }
+
+    /// The draws, if they do not confirm the propagation of uncertainty.
+    pub fn unconfirmed(&self) -> Option<MonteCarlo> {
+        self.monte_carlo.filter(|drawn| !drawn.agrees)
+    }
+
+    /// Fails if any number of the result is not finite, or the uncertainty is zero.
+    pub(super) fn check_finite(&self) -> Result<(), CalibrationError> {
+        let whole = [
+            ("sensitivity", self.sensitivity),
+            // Zero is no uncertainty: its inverse is not finite.
+            ("uncertainty of the sensitivity", 1.0 / self.u + self.u),
+            ("expanded uncertainty", self.expanded()),
+            ("time constant", self.tau),
+            ("uncertainty of the time constant", self.tau_u),
+            ("sensitivity by the raw voltage", self.naive),
+            ("lowest peak force", self.force_range[0]),
+            ("highest peak force", self.force_range[1]),
+            ("Birge ratio", self.birge_ratio),
+        ];
+        let of_line = self.nonlinearity.into_iter().flat_map(|n| [n.change, n.u, n.largest]);
+        let of_draws = self.monte_carlo.into_iter().flat_map(|drawn| {
+            [drawn.u, drawn.mean, drawn.interval_95[0], drawn.interval_95[1], drawn.tolerance]
+        });
+        let of_impacts = self.impacts.iter().enumerate().flat_map(|(index, impact)| {
+            let numbers = [
+                impact.momentum,
+                impact.integral,
+                impact.sensitivity,
+                impact.own_uncertainty,
+                impact.naive,
+                impact.peak_force,
+            ];
+            numbers.into_iter().flatten().map(move |n| (format!("impact {}", index + 1), n))
+        });
+        let named = |(name, number): (&str, f64)| (name.to_owned(), number);
+        let all = whole
+            .into_iter()
+            .map(named)
+            .chain(of_line.map(|n| named(("non-linearity", n))))
+            .chain(of_draws.map(|n| named(("Monte Carlo interval", n))))
+            .chain(self.budget.iter().map(|line| (line.name(), line.contribution + line.share)))
+            .chain(of_impacts);
+        match all.into_iter().find(|(_, number)| !number.is_finite()) {
+            Some((quantity, _)) => Err(CalibrationError::NotFinite { quantity }),
+            None => Ok(()),
+        }
     }
 }

@@ -31,6 +31,14 @@ pub enum Exclusion {
         /// Where the other one is (s).
         time: f64,
     },
+    /// The sensor is not at rest before the contact.
+    #[error(
+        "not at rest before the contact: it varies by {times:.1} times its noise; begin the record earlier, or remove drift and hum"
+    )]
+    NotAtRest {
+        /// Root mean square over the noise of neighbouring samples (1).
+        times: f64,
+    },
     /// Nothing above the noise.
     #[error("no pulse above the noise")]
     NoPulse,

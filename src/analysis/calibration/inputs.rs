@@ -102,6 +102,11 @@ impl InputKind {
             Self::NonLinearity => "non-linearity",
         }
     }
+
+    /// Its name with that of `which` one, which is empty if there is only one.
+    pub fn of(self, which: &str) -> String {
+        if which.is_empty() { self.name().to_owned() } else { format!("{}, {which}", self.name()) }
+    }
 }
 
 /// An input of the measurement equation.
@@ -119,6 +124,13 @@ pub struct InputQuantity {
     pub is_even: bool,
     /// Its unit.
     pub unit: &'static str,
+}
+
+impl InputQuantity {
+    /// Its name in a table.
+    pub fn name(&self) -> String {
+        self.kind.of(&self.which)
+    }
 }
 
 impl SpeedSource {

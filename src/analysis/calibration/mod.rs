@@ -73,6 +73,7 @@ pub fn calibrate(
         });
         let model =
             MeasurementEquation::new(impacts, common).ok_or(CalibrationError::NoTimeConstant)?;
+        model.check_inputs()?;
         match outlier(&model) {
             Some((position, times)) => {
                 excluded.push((used.remove(position), Exclusion::Outlier { times }));
@@ -80,7 +81,9 @@ pub fn calibrate(
             None => break model,
         }
     };
-    Ok(assemble((strikes, common), read, &excluded, model, draws))
+    let calibration = assemble((strikes, common), read, &excluded, model, draws);
+    calibration.check_finite()?;
+    Ok(calibration)
 }
 
 /// How the samples of each record scatter about a smooth curve: records of one range have one

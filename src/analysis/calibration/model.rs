@@ -1,10 +1,13 @@
 //! The measurement equation with all its inputs in one vector, so that what impacts share is
 //! shared.
 
+use super::data::CalibrationError;
 use super::impact::Impact;
 pub use super::inputs::{Common, InputKind, InputQuantity, SpeedSource, StrikerMotion};
 use super::tail::{Tail, mean};
+use crate::quantity::Uncertain;
 use crate::quantity::coverage::effective_freedom;
+use std::ops::Range;
 
 /// One impact within the model.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,6 +41,9 @@ const GATES: usize = 3;
 const TAU: usize = 4;
 const ABOVE: usize = 5;
 const MASSES: usize = 6;
+/// Step of a difference quotient over the estimate: its error is the square of this, or rounding
+/// over this, 1e-8 and 1e-12 of the derivative (1).
+const DIFFERENCE_SHARE: f64 = 1e-4;
 /// Inputs of an impact's own: two speeds, baseline, noise, duration, tail.
 const INPUTS_PER_IMPACT: usize = 6;
 
@@ -126,6 +132,24 @@ impl MeasurementEquation {
         self.inputs.extend(own);
     }
 
+    /// Fails if the uncertainty of an input is not finite or exceeds its value. Offsets, whose
+    /// estimate is zero, and inputs without uncertainty pass.
+    pub(super) fn check_inputs(&self) -> Result<(), CalibrationError> {
+        let is_unknown = |input: &&InputQuantity| {
+            let known = Uncertain::normal(input.value, input.u).is_known();
+            input.u != 0.0 && !known && (input.value != 0.0 || !input.u.is_finite())
+        };
+        match self.inputs.iter().find(is_unknown) {
+            None => Ok(()),
+            Some(input) => Err(CalibrationError::UnknownInput {
+                input: input.name(),
+                value: input.value,
+                u: input.u,
+                unit: input.unit,
+            }),
+        }
+    }
+
     /// The mean takes each impact by what its own inputs leave uncertain.
     fn weigh_impacts(&mut self) {
         let estimates = self.estimates();
@@ -133,19 +157,9 @@ impl MeasurementEquation {
         let own: Vec<f64> = (0..self.parts.len())
             .map(|index| {
                 let first = self.first_own(index);
-                let change = |input: usize| {
-                    let moved = |by: f64| {
-                        let mut values = estimates.clone();
-                        if let (Some(value), Some(input)) =
-                            (values.get_mut(input), self.inputs.get(input))
-                        {
-                            *value += by * input.u;
-                        }
-                        self.one(index, &values, inverse_tau)
-                    };
-                    0.5 * (moved(1.0) - moved(-1.0))
-                };
-                (first..first + INPUTS_PER_IMPACT).map(|i| change(i).powi(2)).sum::<f64>().sqrt()
+                let alone = |values: &[f64]| self.one(index, values, inverse_tau);
+                let parts = self.contributions(first..first + INPUTS_PER_IMPACT, &alone);
+                parts.iter().map(|part| part * part).sum::<f64>().sqrt()
             })
             .collect();
         let floor = f64::EPSILON * self.one(0, &estimates, inverse_tau).abs();
@@ -275,7 +289,8 @@ impl MeasurementEquation {
 
     /// Standard uncertainty of the time constant (s).
     pub fn tau_u(&self) -> f64 {
-        self.changes(&|values| self.evaluate_tau(values)).map(|c| c * c).sum::<f64>().sqrt()
+        let parts = self.contributions(0..self.inputs.len(), &|values| self.evaluate_tau(values));
+        parts.iter().map(|part| part * part).sum::<f64>().sqrt()
     }
 
     /// The time constant from the records' ends, with its standard uncertainty, used or not (s).
@@ -292,23 +307,39 @@ impl MeasurementEquation {
         parts.map(|(i, part)| (self.one(i, &estimates, inverse_tau), part.own)).collect()
     }
 
-    /// Change of `output` when each input in turn goes from one standard uncertainty below to one
-    /// above, halved (unit).
-    pub fn changes<'a>(
-        &'a self,
-        output: &'a dyn Fn(&[f64]) -> f64,
-    ) -> impl Iterator<Item = f64> + 'a {
+    /// Each input's contribution to the uncertainty of the sensitivity (V/N).
+    pub fn contributions_to_sensitivity(&self) -> Vec<f64> {
+        self.contributions(0..self.inputs.len(), &|values| self.evaluate(values))
+    }
+
+    /// Half-width of the largest contribution that is evenly distributed; all others count as
+    /// normal (V/N).
+    pub fn half_width(&self, contributions: &[f64]) -> f64 {
+        let even = self.inputs.iter().zip(contributions).filter(|(input, _)| input.is_even);
+        3f64.sqrt() * even.map(|(_, part)| part.abs()).fold(0.0, f64::max)
+    }
+
+    /// Contributions of the inputs `range` to the uncertainty of `output`: the standard uncertainty
+    /// times the sensitivity coefficient, `output`'s derivative at the estimates (JCGM 100:2008,
+    /// 5.1.3), by central differences over [`DIFFERENCE_SHARE`] of the estimate (unit).
+    fn contributions(&self, range: Range<usize>, output: &dyn Fn(&[f64]) -> f64) -> Vec<f64> {
         let mut values = self.estimates();
-        self.inputs.iter().enumerate().map(move |(index, input)| {
-            let mut moved = |by: f64| {
-                if let Some(value) = values.get_mut(index) {
-                    *value = input.value + by * input.u;
-                }
+        let inputs = self.inputs.iter().enumerate().take(range.end).skip(range.start);
+        let contribution = |(index, input): (usize, &InputQuantity)| {
+            if input.u == 0.0 {
+                return 0.0;
+            }
+            // Inputs with an estimate of zero are offsets, in which the result is nearly straight.
+            let size = if input.value == 0.0 { input.u } else { input.value.abs() };
+            let step = DIFFERENCE_SHARE * size;
+            let mut at = |value: f64| {
+                values[index] = value;
                 output(&values)
             };
-            let change = if input.u == 0.0 { 0.0 } else { 0.5 * (moved(1.0) - moved(-1.0)) };
-            moved(0.0);
-            change
-        })
+            let difference = at(input.value + step) - at(input.value - step);
+            at(input.value);
+            difference / (2.0 * step) * input.u
+        };
+        inputs.map(contribution).collect()
     }
 }

@@ -79,11 +79,9 @@ pub fn run(model: &MeasurementEquation, draws: Draws) -> Option<MonteCarlo> {
         found.get(index.min(found.len() - 1)).copied().unwrap_or(mean)
     };
     let interval_95 = [quantile(0.025), quantile(0.975)];
-    let changes = |values: &[f64]| model.evaluate(values);
-    let parts: Vec<f64> = model.changes(&changes).collect();
+    let parts = model.contributions_to_sensitivity();
     let propagated = parts.iter().map(|c| c * c).sum::<f64>().sqrt();
-    let even = model.inputs().iter().zip(&parts).find(|(input, _)| input.is_even);
-    let half_width = even.map_or(0.0, |(_, part)| 3f64.sqrt() * part.abs());
+    let half_width = model.half_width(&parts);
     let (center, half) = (model.sensitivity(), expanded_95(propagated, half_width));
     let propagated_95 = [center - half, center + half];
     let apart = |end: usize| (interval_95[end] - propagated_95[end]).abs();

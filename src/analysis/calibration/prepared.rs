@@ -61,6 +61,9 @@ impl PreparedRecord {
             Ok((Baseline { samples, .. }, _)) | Err(PulseError::NoBaseline { samples, .. }) => {
                 return Err(Exclusion::NoPreTrigger { samples });
             }
+            Err(PulseError::NotAtRest { rms, noise, .. }) => {
+                return Err(Exclusion::NotAtRest { times: rms / noise });
+            }
             Err(_) => return Err(Exclusion::NoPulse),
         };
         let noise = baseline.rounding.sample();

@@ -32,6 +32,8 @@ pub(super) fn speed((means, value): (SpeedMethod, Uncertain)) -> SpeedSource {
 const LARGEST_BIRGE_RATIO: f64 = 2.2;
 /// Of so many impacts one may be left out as an outlier.
 const MOST_OUTLIERS: usize = 4;
+/// A sensitivity with a larger expanded uncertainty over its value is not determined (1).
+const MAX_EXPANDED_SHARE: f64 = 0.5;
 /// Local gravity at the surface, mountains included (m/s^2).
 const GRAVITY: std::ops::RangeInclusive<f64> = 9.76..=9.84;
 
@@ -74,7 +76,8 @@ pub(super) fn contradictions(plan: &CalibrationPlan, found: &Calibration) -> Vec
             ));
         }
     }
-    if found.expanded() > 0.5 * found.sensitivity.abs() {
+    let is_determined = found.expanded() <= MAX_EXPANDED_SHARE * found.sensitivity.abs();
+    if !is_determined {
         let share = 100.0 * found.expanded() / found.sensitivity.abs();
         wrong.push(format!("the sensitivity is known to {share:.0} % only: it is not determined"));
     }

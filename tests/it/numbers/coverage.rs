@@ -113,7 +113,7 @@ fn sensitivity_and_time_constant_are_covered() {
             let gain = numbers.gain(condition);
             let mass = 1.22e-3;
             let mut plan = format!(
-                "title = \"blind\"\ngravity = \"9.81 m/s^2\"\ngravity_u = \"0.001 m/s^2\"\ndraws = 1000\n[sensor]\nitem = \"plate\"\n[scope]\n{}\n\
+                "title = \"blind\"\ngravity = \"9.81 m/s^2\"\ngravity_u = \"0.001 m/s^2\"\ndraws = 30000\n[sensor]\nitem = \"plate\"\n[scope]\n{}\n\
                  [strikers.ball]\nmass = \"{:e} kg\"\nmass_u = \"{:e} kg\"\n",
                 if condition.gain_errors { "gain_limit = \"3 %\"" } else { "gain_u = 0.0" },
                 mass + 0.5e-6 * numbers.normal(),
