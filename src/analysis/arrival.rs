@@ -27,8 +27,8 @@
 //! the noise; for signals whose time constant is not known, droop moves arrivals by more than is
 //! stated (peaks by about 1 us in this bench).
 
+use crate::numeric::intervals::even_half_width;
 use crate::quantity::Uncertain;
-use crate::quantity::coverage::even_half_width;
 use std::fmt;
 
 use super::local_fit::{LocalFit, nearest_fall};

@@ -15,6 +15,7 @@ use std::ops::Range;
 
 use super::pulse_conditions::{Conditions, MIN_BASELINE_SAMPLES, PEAK_SHARE, PulseError};
 use super::rounding::{AtRest, MovingScatter, Rounding, Spread};
+use crate::numeric::statistics::Moments;
 use crate::trace::Trace;
 
 /// The baseline ends after this share of the samples before the pulse exceeds a quarter of the
@@ -79,9 +80,7 @@ impl Baseline {
             return Err(PulseError::NoBaseline { trace: trace.name.clone(), samples });
         }
         let count = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / count;
-        let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-        let rms = (squares / (count - 1.0)).sqrt();
+        let Moments { mean, deviation: rms, .. } = Moments::of(values);
         if conditions.baseline.is_none() && before.is_moving(rms, values.len()) {
             return Err(PulseError::NotAtRest {
                 trace: trace.name.clone(),

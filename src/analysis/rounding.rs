@@ -20,7 +20,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use crate::quantity::coverage::normal_share;
+use crate::numeric::intervals::normal_share;
 
 /// Harmonics of the sawtooth that are followed; what they leave counts as white.
 const HARMONICS: u32 = 24;
@@ -327,7 +327,7 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal, StandardUniform};
     use rand_pcg::Pcg64;
 
-    use crate::quantity::coverage::{even_half_width, expanded_95};
+    use crate::numeric::intervals::{even_half_width, expanded_95};
 
     use super::*;
 

@@ -263,9 +263,8 @@ pub fn mass_without_sensor(scene: &Scene, particle: usize) -> Option<f64> {
     let body = |p: usize| chain.bodies().get(chain.body_of(p));
     let host = body(particle)?;
     let is_bare = |p: usize| scene.sensors.iter().all(|s| s.site != Site::Particle(p));
-    let distance = |(p, bare): &(usize, &Body)| {
-        ((bare.length / host.length).ln().abs(), p.abs_diff(particle))
-    };
+    let distance =
+        |(p, bare): &(usize, &Body)| ((bare.length / host.length).ln().abs(), p.abs_diff(particle));
     let same_kind = (1..=chain.particles()).filter_map(|p| Some((p, body(p)?)));
     let bare = same_kind.filter(|(p, bare)| bare.name == host.name && is_bare(*p));
     let (_, bare) = bare.min_by(|a, b| {

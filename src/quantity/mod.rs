@@ -8,7 +8,6 @@
 //! oscilloscope's division. Exponents are counted in halves, because a Hertz contact's stiffness
 //! has the unit N/m^1.5.
 
-pub mod coverage;
 mod dimension;
 mod error;
 mod printable;
@@ -20,7 +19,7 @@ pub use printable::{printable, printable_line};
 
 use std::fmt;
 
-use coverage::expanded_95;
+use crate::numeric::intervals::expanded_95;
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
 /// A number with its standard uncertainty; JSON has `value`, `u`, and `U95`, the expanded

@@ -201,8 +201,7 @@ pub fn tune(
             jobs.push((number.path.as_str(), ratio * number.now(), number.times(scene, *ratio)?));
         }
     }
-    let work =
-        |(): &mut (), (path, value, scene): &(&str, f64, Scene)| point(path, *value, scene);
+    let work = |(): &mut (), (path, value, scene): &(&str, f64, Scene)| point(path, *value, scene);
     let done = |finished: usize| progress(finished as f64 / jobs.len() as f64);
     let results: Result<Vec<_>, _> =
         in_parallel(processors(), &jobs, &work, &done).into_iter().collect();

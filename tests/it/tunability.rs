@@ -121,12 +121,18 @@ fn band_edges_are_those_of_particles_without_sensors() {
     let scene = Scene::from_text("hosts", "hosts.toml", hosts).expect("a scene");
     // f1 = 7122.383 Hz at 2.38 N with 0.485 g; f2/f1 = sqrt(0.485/0.1226); 1.2 mN more weight above
     // the contact than in the plain scene move them by 4e-5.
-    for (particle, above) in [(2, 0.45e-3 + 0.15e-3), (14, 0.45e-3 + 7.0 * 0.1226e-3 + 6.0 * 0.485e-3)] {
+    for (particle, above) in
+        [(2, 0.45e-3 + 0.15e-3), (14, 0.45e-3 + 7.0 * 0.1226e-3 + 6.0 * 0.485e-3)]
+    {
         let chain = cell(&scene, Site::Particle(particle)).expect("a cell");
         let force = 2.38 + above * 9.81;
         let bottom = 7122.383 * (force / 2.38_f64).powf(1.0 / 6.0);
         let top = bottom * (0.485_f64 / 0.1226).sqrt();
-        assert!((chain.gap_bottom() / bottom - 1.0).abs() < 1e-4, "{} {bottom}", chain.gap_bottom());
+        assert!(
+            (chain.gap_bottom() / bottom - 1.0).abs() < 1e-4,
+            "{} {bottom}",
+            chain.gap_bottom()
+        );
         assert!((chain.gap_top() / top - 1.0).abs() < 1e-4, "{} {top}", chain.gap_top());
     }
     let outcome = run(&scene, Integration::Accuracy(1e-5), 1, &mut |_| ()).expect("a run");
@@ -143,15 +149,26 @@ fn band_edges_are_those_of_particles_without_sensors() {
 fn maps_show_edges_and_speeds() {
     let tunings = [turned("magnet-0.61g", PRELOAD, 10.0)];
     let page = report::tunability("a chain", &tunings);
-    for words in ["effects.magnet_preload.force (the scene has 2.38 N)", "238 mN", "23.8 N", "long waves", "pulse"] {
+    for words in [
+        "effects.magnet_preload.force (the scene has 2.38 N)",
+        "238 mN",
+        "23.8 N",
+        "long waves",
+        "pulse",
+    ] {
         assert!(page.contains(words), "{words} in\n{page}");
     }
     let row = page.lines().find(|line| line.contains('1') && line.contains('│'));
     assert!(row.is_some(), "an edge in the map\n{page}");
     let svg = report::tunability_svg("a chain", &tunings);
-    for words in
-        ["effects.magnet_preload.force (N)", "frequency (kHz)", "speed (m/s)", "long waves, linear", "f3", "-60 dB"]
-    {
+    for words in [
+        "effects.magnet_preload.force (N)",
+        "frequency (kHz)",
+        "speed (m/s)",
+        "long waves, linear",
+        "f3",
+        "-60 dB",
+    ] {
         assert!(svg.contains(words), "{words}");
     }
 }

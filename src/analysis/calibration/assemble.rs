@@ -125,7 +125,8 @@ fn nonlinearity(model: &MeasurementEquation, peaks: &[f64], shape: f64) -> Optio
     }
     let points: Vec<(f64, f64, f64)> =
         peaks.iter().zip(model.each()).map(|(p, (s, u))| (*p, s, u.powi(-2))).collect();
-    let StraightLine { mean: (force, _), slope, spread, residual } = StraightLine::through(&points);
+    let StraightLine { mean: (force, _), slope, spread, residual } =
+        StraightLine::through(&points)?;
     let low = peaks.iter().copied().fold(f64::INFINITY, f64::min);
     let high = peaks.iter().copied().fold(0.0, f64::max);
     let freedom = (points.len() - 2) as f64;

@@ -5,7 +5,7 @@ use super::exclusion::Exclusion;
 use super::impact::{Impact, RawRecord};
 use super::model::StrikerMotion;
 use super::monte_carlo::MonteCarlo;
-use crate::quantity::coverage::{NORMAL_95, expanded_95, student_95};
+use crate::numeric::intervals::{NORMAL_95, expanded_95, student_95};
 
 /// One impact as the plan tells it.
 #[derive(Debug, Clone, PartialEq)]

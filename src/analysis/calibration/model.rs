@@ -5,8 +5,8 @@ use super::data::CalibrationError;
 use super::impact::Impact;
 pub use super::inputs::{Common, InputKind, InputQuantity, SpeedSource, StrikerMotion};
 use super::tail::{Tail, mean};
+use crate::numeric::intervals::effective_freedom;
 use crate::quantity::Uncertain;
-use crate::quantity::coverage::effective_freedom;
 use std::ops::Range;
 
 /// One impact within the model.

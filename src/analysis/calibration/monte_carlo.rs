@@ -12,7 +12,8 @@ use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rand_pcg::Pcg64;
 
 use super::model::MeasurementEquation;
-use crate::quantity::coverage::expanded_95;
+use crate::numeric::intervals::expanded_95;
+use crate::numeric::statistics::{Moments, quantile};
 
 /// Significant digits of the standard uncertainty that both propagations are to agree in, as far as
 /// the draws resolve them.
@@ -70,15 +71,9 @@ pub fn run(model: &MeasurementEquation, draws: Draws) -> Option<MonteCarlo> {
         }
         found.push(model.evaluate(&values));
     }
-    let count = found.len() as f64;
-    let mean = found.iter().sum::<f64>() / count;
-    let u = (found.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt();
+    let Moments { mean, deviation: u, .. } = Moments::of(&found);
     found.sort_by(f64::total_cmp);
-    let quantile = |share: f64| {
-        let index = (share * count) as usize;
-        found.get(index.min(found.len() - 1)).copied().unwrap_or(mean)
-    };
-    let interval_95 = [quantile(0.025), quantile(0.975)];
+    let interval_95 = [quantile(&found, 0.025), quantile(&found, 0.975)];
     let parts = model.contributions_to_sensitivity();
     let propagated = parts.iter().map(|c| c * c).sum::<f64>().sqrt();
     let half_width = model.half_width(&parts);
@@ -86,7 +81,7 @@ pub fn run(model: &MeasurementEquation, draws: Draws) -> Option<MonteCarlo> {
     let propagated_95 = [center - half, center + half];
     let apart = |end: usize| (interval_95[end] - propagated_95[end]).abs();
     let difference = apart(0).max(apart(1));
-    let scatter = END_DEVIATIONS * END_SCATTER * propagated / count.sqrt();
+    let scatter = END_DEVIATIONS * END_SCATTER * propagated / (found.len() as f64).sqrt();
     let [fine, coarse] =
         DIGITS.map(|digits| 0.5 * 10f64.powi(propagated.log10().floor() as i32 - digits + 1));
     let tolerance = if fine >= scatter { fine } else { coarse };

@@ -8,7 +8,7 @@ use super::words::{
 };
 use crate::analysis::calibration::budget::BudgetLine;
 use crate::analysis::calibration::{Calibration, ImpactResult};
-use crate::quantity::coverage::NORMAL_95;
+use crate::numeric::intervals::NORMAL_95;
 use crate::scene::hexadecimal;
 use crate::scene::plan::{CalibrationPlan, Particulars};
 

@@ -15,8 +15,8 @@ use super::UncertainPrediction;
 use super::outputs::{OutputInterval, TraceBand};
 use crate::analysis::comparison::Pair;
 use crate::measurement::compare::{ChannelScore, Compared, SpeedScore};
+use crate::numeric::intervals::expanded_95;
 use crate::quantity::Uncertain;
-use crate::quantity::coverage::expanded_95;
 
 /// Moves smaller than this share of the largest are not listed (1).
 const LISTED_SHARE: f64 = 0.1;

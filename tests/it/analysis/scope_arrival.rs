@@ -113,7 +113,8 @@ fn gravity_records_are_covered() {
 /// passed particle 14 at 0.29 ms, and what the record holds is no first peak and gives no speed.
 #[test]
 fn a_record_that_begins_behind_the_pulse_says_so() {
-    let text = "base = \"magnet-0.61g\"\n[scope]\ntime_base = \"100 us/div\"\nposition = \"1 ms\"\n";
+    let text =
+        "base = \"magnet-0.61g\"\n[scope]\ntime_base = \"100 us/div\"\nposition = \"1 ms\"\n";
     let scene = Scene::from_text("late", "late.toml", text).expect("a scene");
     let integration = Integration::Accuracy(1e-4);
     let shot = run(&scene, integration, 1, &mut |_| ()).expect("a run").shot;
