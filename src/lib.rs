@@ -6,6 +6,7 @@
 //! needs more than 8 MiB of stack.
 
 pub mod analysis;
+pub mod calibrate;
 pub mod chain;
 pub mod cli;
 pub mod client;

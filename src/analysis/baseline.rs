@@ -13,6 +13,8 @@
 
 use std::ops::Range;
 
+use serde::Serialize;
+
 use super::pulse_conditions::{Conditions, MIN_BASELINE_SAMPLES, PEAK_SHARE, PulseError};
 use super::rounding::{AtRest, MovingScatter, Rounding, Spread};
 use crate::numeric::statistics::Moments;
@@ -37,21 +39,28 @@ const CURVE_SAMPLES: usize = 12;
 const CURVE_LEVELS: f64 = 3.0;
 
 /// Zero and noise of a trace before the pulse.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Baseline {
-    /// The signal at rest: the mean, or what the codes of a quiet scope tell (unit).
+    /// The signal at rest: the mean, or what the codes of a quiet scope show (unit).
+    #[serde(rename = "baseline_v")]
     pub level: f64,
     /// Root mean square about the mean (unit).
+    #[serde(skip)]
     pub rms: f64,
     /// Number of samples.
+    #[serde(skip)]
     pub samples: usize,
     /// The first sample behind it.
+    #[serde(skip)]
     pub end: usize,
     /// Its standard uncertainty (unit).
+    #[serde(rename = "baseline_u_v")]
     pub uncertainty: f64,
     /// How it is distributed: evenly, where all samples show one code.
+    #[serde(skip)]
     pub spread: Spread,
-    /// The noise in front of the converter, as far as the codes tell it.
+    /// The noise in front of the converter, as far as the codes show it.
+    #[serde(skip)]
     pub rounding: Rounding,
 }
 
@@ -62,9 +71,12 @@ impl Baseline {
         Self::with_rest(trace, conditions, &scatter).map(|(baseline, _)| baseline)
     }
 
-    /// The same with what the codes of a quiet scope tell, whose samples elsewhere have this
+    /// The same with what the codes of a quiet scope show, whose samples elsewhere have this
     /// `scatter`.
-    pub(super) fn with_rest(
+    ///
+    /// # Errors
+    /// [`PulseError`] if the record is too short before the pulse, or not at rest.
+    pub fn with_rest(
         trace: &Trace,
         conditions: &Conditions,
         scatter: &dyn Fn() -> MovingScatter,
@@ -118,7 +130,7 @@ pub fn noise_of(rms: f64, level: f64) -> f64 {
 
 /// Scatter of the samples of `trace` about cubics over a few of them each, wherever these span
 /// several levels `step` apart (unit).
-pub(super) fn scatter(trace: &Trace, step: f64) -> MovingScatter {
+pub fn scatter(trace: &Trace, step: f64) -> MovingScatter {
     let cubics = cubics();
     let shares = |values: &[f64]| -> Vec<f64> {
         cubics.iter().map(|basis| basis.iter().zip(values).map(|(b, v)| b * v).sum()).collect()

@@ -2,7 +2,6 @@
 
 pub mod arrival;
 pub mod baseline;
-pub mod calibration;
 pub mod comparison;
 pub mod correlation;
 pub mod dispersion;

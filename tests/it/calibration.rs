@@ -10,11 +10,11 @@ mod uncertainty;
 
 use std::sync::LazyLock;
 
+use hertzscope::calibrate::design::{Designer, TestDesign};
+use hertzscope::calibrate::simulation::BlindCalibration;
+use hertzscope::calibrate::simulation::{ImpactTruth, setting};
 use hertzscope::scene::plan::lab::{self, LabStriker, Laboratory};
 use hertzscope::scope::Setup;
-use hertzscope::studies::momentum_test::BlindCalibration;
-use hertzscope::studies::momentum_test::design::{Designer, TestDesign};
-use hertzscope::studies::momentum_test::simulation::{ImpactTruth, setting};
 
 /// What most tests calibrate: 1.22 g with a PTFE face from 20, 10 and 5 mm, at 1 V/div and 100
 /// us/div.

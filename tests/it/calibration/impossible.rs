@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use assert_cmd::Command;
-use hertzscope::measurement::calibration::{self, CalibrationReport};
+use hertzscope::calibrate::{self, CalibrationReport};
 use hertzscope::recording::mcap;
 use hertzscope::recording::tek_csv::TableColumns;
 use hertzscope::scene::plan;
@@ -88,8 +88,8 @@ fn calibrated(at: &Path, plan: &str) -> Result<CalibrationReport, String> {
     let file = at.join("plan.toml");
     std::fs::write(&file, plan).expect("a plan");
     let plan = plan::load(&file).map_err(|error| error.to_string())?;
-    let found = calibration::run(&plan, &TableColumns::default());
-    found.map(|found| found.report).map_err(|error| error.to_string())
+    let found = calibrate::run(&plan, &TableColumns::default());
+    found.map_err(|error| error.to_string())
 }
 
 /// `S` goes with one over the mass, so that its own distribution is skew for a mass known to 10 %:
@@ -101,7 +101,7 @@ fn a_skew_distribution_is_certified_by_its_draws() {
     let folder = tempfile::tempdir().expect("a folder");
     let plan = with(&written(folder.path()), "mass_u", "\"10 %\"");
     let report = calibrated(folder.path(), &plan).expect("a calibration");
-    let [low, high] = report.interval_95_v_per_n.map(|end| end / report.sensitivity_v_per_n - 1.0);
+    let [low, high] = report.result.interval_95.map(|end| end / report.result.sensitivity - 1.0);
     // The other inputs add 0.5 % in squares; 200,000 draws place an end to 0.1 %.
     assert!((0.240..0.26).contains(&high) && low < -0.16, "{low} {high}");
     assert!(report.contradictions.is_empty(), "{:?}", report.contradictions);
@@ -145,15 +145,14 @@ fn mutated_plans_are_refused_or_honestly_certified() {
             let number = value[key].as_f64().unwrap_or_else(|| panic!("{key}: {changes:?}"));
             assert!(number > 0.0, "{key} = {number}: {changes:?}");
         }
-        let [low, high] = report.interval_95_v_per_n;
-        let check = report.monte_carlo.as_ref().expect("draws");
-        let [drawn_low, drawn_high] = check.interval_95_v_per_n;
+        let [low, high] = report.result.interval_95;
+        let check = report.result.monte_carlo.as_ref().expect("draws");
+        let [drawn_low, drawn_high] = check.interval_95;
         assert!(
-            low <= drawn_low + check.tolerance_v_per_n
-                && high >= drawn_high - check.tolerance_v_per_n,
+            low <= drawn_low + check.tolerance && high >= drawn_high - check.tolerance,
             "{low} to {high}, drawn {drawn_low} to {drawn_high}: {changes:?}"
         );
-        drawn += i32::from(!check.agrees_with_gum);
+        drawn += i32::from(!check.agrees);
     }
     println!("{certified} certified, {drawn} of them by draws, {refused} refused");
     assert!(certified > trials as i32 / 20 && refused > trials as i32 / 4);

@@ -12,11 +12,11 @@ use super::forward::{
     Condition, Numbers, Pulse, Tally, all_hold, codes, conditions, csv, recorded, trials,
 };
 use super::{scene, surveyed};
+use hertzscope::calibrate;
 use hertzscope::experiment::bench::{Bench, Grid};
 use hertzscope::experiment::ensemble::{Case, places};
 use hertzscope::experiment::{Integration, facts, for_accuracy};
 use hertzscope::fit::{FitOptions, fit};
-use hertzscope::measurement::calibration;
 use hertzscope::measurement::compare::ComparedShot;
 use hertzscope::measurement::force::count_gains;
 use hertzscope::measurement::metadata::RecordedDistance;
@@ -141,8 +141,8 @@ fn sensitivity_and_time_constant_are_covered() {
             let file = folder.path().join("plan.toml");
             std::fs::write(&file, plan).expect("a plan");
             let report = calibrated(&file);
-            sensitivities.count(report.sensitivity_v_per_n, report.expanded_v_per_n, s);
-            constants.count(report.tau_s, report.tau_expanded_s, tau);
+            sensitivities.count(report.result.sensitivity, report.result.expanded, s);
+            constants.count(report.result.tau, report.result.tau_expanded, tau);
         }
         checked.push(sensitivities.check("sensitivity", condition));
         checked.push(constants.check("time constant", condition));
@@ -150,9 +150,9 @@ fn sensitivity_and_time_constant_are_covered() {
     all_hold(checked);
 }
 
-fn calibrated(plan: &Path) -> calibration::CalibrationReport {
+fn calibrated(plan: &Path) -> calibrate::CalibrationReport {
     let plan = plan::load(plan).expect("a plan");
-    calibration::run(&plan, &TableColumns::default()).expect("a calibration").report
+    calibrate::run(&plan, &TableColumns::default()).expect("a calibration")
 }
 
 /// Striker's speed and PTFE's modulus, fitted together to three records of a chain of ten

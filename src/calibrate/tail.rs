@@ -8,8 +8,7 @@
 //! these zeros; how it goes with the zero counts with the baseline. Valid where the sensor feels
 //! nothing behind the contact, as one that only the striker presses on.
 
-use super::prepared::PreparedRecord;
-use super::record::RawRecord;
+use super::record::{PreparedRecord, RawRecord};
 use crate::analysis::rounding::{AtRest, MovingScatter, PossibleZero, Rounding};
 
 /// The end of the contact is not sharp: the fit begins this share of the contact later (1).

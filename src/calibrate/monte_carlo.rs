@@ -10,8 +10,9 @@
 
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rand_pcg::Pcg64;
+use serde::Serialize;
 
-use super::model::MeasurementEquation;
+use super::equation::{MeasurementEquation, root_of_squares};
 use crate::numeric::intervals::expanded_95;
 use crate::numeric::statistics::{Moments, quantile};
 
@@ -27,57 +28,64 @@ const END_DEVIATIONS: f64 = 3.0;
 const MONTE_CARLO_STREAM: u128 = 101;
 
 /// Result of the draws.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct MonteCarlo {
     /// Number of draws.
     pub draws: usize,
     /// Seed.
     pub seed: u64,
     /// Mean of the sensitivity (V/N).
+    #[serde(rename = "mean_v_per_n")]
     pub mean: f64,
     /// Its standard deviation (V/N).
+    #[serde(rename = "u_v_per_n")]
     pub u: f64,
     /// Where 2.5 % are below and 2.5 % above (V/N).
+    #[serde(rename = "interval_95_v_per_n")]
     pub interval_95: [f64; 2],
     /// The same by the propagation of uncertainty of the same inputs (V/N).
+    #[serde(rename = "propagated_95_v_per_n")]
     pub propagated_95: [f64; 2],
-    /// How far the ends of the interval may be from those of the propagated uncertainty (V/N).
-    pub tolerance: f64,
-    /// The larger of how far they are (V/N).
-    pub difference: f64,
-    /// Whether they agree.
+    /// Whether the draws confirm the propagation of uncertainty (JCGM 101, clause 8).
+    #[serde(rename = "agrees_with_gum")]
     pub agrees: bool,
+    /// Largest difference of the ends of both intervals (V/N).
+    #[serde(rename = "difference_v_per_n")]
+    pub difference: f64,
+    /// Difference that is tolerated (V/N).
+    #[serde(rename = "tolerance_v_per_n")]
+    pub tolerance: f64,
 }
 
 /// Draws; none for none.
-pub fn run(model: &MeasurementEquation, draws: Draws) -> Option<MonteCarlo> {
+pub fn run(equation: &MeasurementEquation, draws: Draws) -> Option<MonteCarlo> {
     if draws.count < 2 {
         return None;
     }
     let mut stream = Pcg64::new(u128::from(draws.seed), MONTE_CARLO_STREAM);
-    let mut values = model.estimates();
+    let mut inputs = equation.estimates().clone();
     let mut found: Vec<f64> = Vec::with_capacity(draws.count);
     for _ in 0..draws.count {
-        for (value, input) in values.iter_mut().zip(model.inputs()) {
-            if input.u > 0.0 {
-                let deviate: f64 = if input.is_even {
-                    let share: f64 = StandardUniform.sample(&mut stream);
-                    3f64.sqrt() * (2.0 * share - 1.0)
-                } else {
-                    StandardNormal.sample(&mut stream)
-                };
+        for input in equation.inputs().iter().filter(|input| input.u > 0.0) {
+            let deviate: f64 = if input.is_even {
+                let share: f64 = StandardUniform.sample(&mut stream);
+                3f64.sqrt() * (2.0 * share - 1.0)
+            } else {
+                StandardNormal.sample(&mut stream)
+            };
+            if let Some(value) = inputs.get_mut(input.kind, input.index) {
                 *value = input.value + input.u * deviate;
             }
         }
-        found.push(model.evaluate(&values));
+        found.push(equation.evaluate(&inputs));
     }
     let Moments { mean, deviation: u, .. } = Moments::of(&found);
     found.sort_by(f64::total_cmp);
     let interval_95 = [quantile(&found, 0.025), quantile(&found, 0.975)];
-    let parts = model.contributions_to_sensitivity();
-    let propagated = parts.iter().map(|c| c * c).sum::<f64>().sqrt();
-    let half_width = model.half_width(&parts);
-    let (center, half) = (model.sensitivity(), expanded_95(propagated, half_width));
+    let parts: Vec<f64> = equation.budget().iter().map(|line| line.contribution).collect();
+    let propagated = root_of_squares(&parts);
+    let half_width = equation.half_width();
+    let (center, half) = (equation.sensitivity(), expanded_95(propagated, half_width));
     let propagated_95 = [center - half, center + half];
     let apart = |end: usize| (interval_95[end] - propagated_95[end]).abs();
     let difference = apart(0).max(apart(1));

@@ -6,8 +6,8 @@ use rand_pcg::Pcg64;
 use serde::Serialize;
 
 use super::design::{Designer, TestDesign};
+use super::result::Calibration;
 use super::simulation::TestError;
-use crate::analysis::calibration::Calibration;
 use crate::numeric::intervals::NORMAL_95;
 use crate::numeric::statistics::{Coverage, Moments};
 use crate::sensor::Circuit;
@@ -20,7 +20,7 @@ const HIDDEN_STREAM: u128 = 1 << 71;
 
 /// How well blind calibrations do.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct BlindCalibrations {
+pub struct CalibrationCoverage {
     /// Number of calibrations.
     pub repeats: u32,
     /// How many of them came to no result.
@@ -59,7 +59,7 @@ struct Sums {
 
 impl Sums {
     fn add(&mut self, found: &Calibration, truth: Circuit) {
-        let (expanded, s) = (found.expanded(), truth.sensitivity);
+        let (expanded, s) = (found.expanded, truth.sensitivity);
         self.sensitivities.add(found.sensitivity, expanded, s, s);
         self.naive.add(found.naive, expanded, s, s);
         let tau = truth.time_constant;
@@ -80,7 +80,7 @@ pub fn coverage(
     repeats: u32,
     seed: u64,
     progress: &mut dyn FnMut(f64),
-) -> Result<BlindCalibrations, TestError> {
+) -> Result<CalibrationCoverage, TestError> {
     let (striker, truths, setup) = designer.prepare(candidate)?;
     let mut hidden = Pcg64::new(u128::from(seed), HIDDEN_STREAM);
     let mut sums = Sums::default();
@@ -101,7 +101,7 @@ pub fn coverage(
         progress(f64::from(repeat) / f64::from(repeats));
     }
     let errors = sums.sensitivities.errors();
-    Ok(BlindCalibrations {
+    Ok(CalibrationCoverage {
         repeats,
         failed: repeats - u32::try_from(errors.count).unwrap_or(repeats),
         bias: errors.mean,

@@ -9,10 +9,10 @@
 use rand_distr::{Distribution, StandardUniform};
 use rand_pcg::Pcg64;
 
-use crate::analysis::calibration::model::Common;
-use crate::analysis::calibration::{
-    Calibration, CalibrationError, Draws, PlannedStrike, calibrate,
-};
+use super::equation::Common;
+use super::error::CalibrationError;
+use super::result::{Calibration, PlannedStrike};
+use super::{Draws, calibrate};
 use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, RunError, run};
 use crate::recording::{Capture, InstrumentIdentity, TrueSignal};
