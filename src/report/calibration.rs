@@ -78,7 +78,7 @@ pub(super) fn results(report: &CalibrationReport) -> Vec<[String; 2]> {
             format!(
                 "{}, {}",
                 with_expanded(report.result.tau, report.result.tau_expanded, "s"),
-                report.result.tauource
+                if report.result.tau_fitted { "read off the records" } else { "given" }
             ),
         ),
         row(
