@@ -22,6 +22,7 @@ pub mod magnet;
 pub mod measurement;
 pub mod note;
 pub mod numeric;
+pub mod predict;
 pub mod quantity;
 pub mod recording;
 pub mod report;

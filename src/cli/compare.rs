@@ -22,7 +22,7 @@ use crate::recording::{TraceSet, mcap};
 use crate::report;
 use crate::report::document::{Part, html, markdown};
 use crate::scene::Scene;
-use crate::studies::uncertainty::{NormalisedError, judge, normalised_errors};
+use crate::predict::{NormalisedError, judge, normalised_errors};
 
 /// Compare a measurement with a simulation: scores for each channel; exit code 1 where they exceed
 /// the tolerance

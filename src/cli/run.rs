@@ -22,7 +22,7 @@ use crate::recording::mcap::RecordingWriter;
 use crate::recording::{Shot, TraceSet};
 use crate::report;
 use crate::scene::{FRAMES, Scene};
-use crate::studies::uncertainty::UncertainPrediction;
+use crate::predict::UncertainPrediction;
 
 /// Most shots of a run.
 const MAX_SHOTS: i64 = 100_000;

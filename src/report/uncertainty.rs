@@ -8,7 +8,7 @@ use super::table;
 use super::text::hanging_indent;
 use crate::quantity::{Dimension, Uncertain, engineering};
 use crate::recording::{Capture, Shot};
-use crate::studies::uncertainty::{
+use crate::predict::{
     InputMove, InputShare, NormalisedError, OutputInterval, TraceBand, UncertainPrediction,
 };
 use crate::trace::Trace;

@@ -7,7 +7,7 @@ use crate::integrate::IntegrateError;
 use crate::scene::SceneError;
 use crate::scene::adjust::AdjustError;
 use crate::scene::problem::Problem;
-use crate::studies::uncertainty::UncertaintyError;
+use crate::predict::UncertaintyError;
 
 /// Why the paper could not be computed: all of them this program's own mistakes.
 #[derive(Debug, thiserror::Error)]

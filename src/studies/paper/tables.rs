@@ -18,7 +18,7 @@ use crate::numeric::roots::golden_section;
 use crate::quantity::Uncertain;
 use crate::scene::Scene;
 use crate::scene::adjust::Adjustable;
-use crate::studies::uncertainty::{SampleOptions, uncertain_prediction};
+use crate::predict::{SampleOptions, uncertain_prediction};
 
 /// Particles between which speeds are taken.
 const SPEED_PARTICLES: [usize; 2] = [14, 27];

@@ -8,7 +8,7 @@ use crate::scope::Waveform;
 use crate::studies::cost::CostStudy;
 use crate::studies::effects::Ledger;
 use crate::studies::hard_cases::CaseResult;
-use crate::studies::uncertainty::TraceBand;
+use crate::predict::TraceBand;
 use crate::trace::Trace;
 
 /// The answer to a question, or how far it is.

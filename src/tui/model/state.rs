@@ -13,7 +13,7 @@ use crate::scope::{Source, Waveform};
 use crate::studies::cost::CostStudy;
 use crate::studies::effects::Ledger;
 use crate::studies::hard_cases::CaseResult;
-use crate::studies::uncertainty::TraceBand;
+use crate::predict::TraceBand;
 use crate::trace::Trace;
 
 /// A popup over the scope's screen.

@@ -12,7 +12,7 @@ use crate::recording::format::{Format, open};
 use crate::recording::{Origin, Shot, TraceSet};
 use crate::scene::Scene;
 use crate::scene::adjust::Adjustable;
-use crate::studies::uncertainty::{
+use crate::predict::{
     SampleOptions, UncertainPrediction, judge, uncertain_prediction,
 };
 use crate::studies::{cost, effects, hard_cases};

@@ -9,7 +9,7 @@ use crate::experiment::{Integration, facts, run};
 use crate::recording::TraceSet;
 use crate::scene::Scene;
 use crate::scene::adjust::Adjustable;
-use crate::studies::uncertainty::{SampleOptions, TraceBand, trace_bands};
+use crate::predict::{SampleOptions, TraceBand, trace_bands};
 use crate::tui::model::background_jobs::JobAnswer;
 use crate::tui::model::{JobState, StrikeRequest, StrikeResult};
 
