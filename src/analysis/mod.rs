@@ -6,6 +6,7 @@ pub mod comparison;
 pub mod correlation;
 pub mod dispersion;
 pub mod droop;
+mod fourier;
 pub mod gate;
 pub mod least_squares;
 mod local_fit;

@@ -12,10 +12,11 @@
 
 use std::f64::consts::{PI, TAU};
 
-use realfft::RealFftPlanner;
-use rustfft::num_complex::Complex;
+use realfft::num_complex::Complex;
 
+use super::fourier::Fourier;
 use super::spectrum::Window;
+use crate::numeric::roots::vertex;
 
 /// Phases looked at, in cells.
 const PADDING: usize = 8;
@@ -92,8 +93,9 @@ pub fn spectral_lines(
     if !rows.iter().all(|row| row.iter().all(|x| x.is_finite())) {
         return Err(WavenumberError::NotFinite);
     }
+    let mut fourier = Fourier::default();
     let spectra: Vec<Vec<Complex<f64>>> =
-        rows.iter().map(|row| over_time(&row[..samples])).collect();
+        rows.iter().map(|row| over_time(&row[..samples], &mut fourier)).collect();
     let (step, count) = (1.0 / (samples as f64 * interval), cells as f64);
     let places = PADDING * cells;
     let turns: Vec<Complex<f64>> =
@@ -125,16 +127,10 @@ fn share(part: usize, whole: usize) -> f64 {
 }
 
 /// A row's transform over time.
-fn over_time(row: &[f64]) -> Vec<Complex<f64>> {
+fn over_time(row: &[f64], fourier: &mut Fourier) -> Vec<Complex<f64>> {
     let weighted = |(i, x): (usize, &f64)| x * Window::Hann.weight(i, row.len());
     let mut input: Vec<f64> = row.iter().enumerate().map(weighted).collect();
-    let plan = RealFftPlanner::new().plan_fft_forward(input.len());
-    let mut output = plan.make_output_vec();
-    // Both lengths come from the plan: it has nothing to refuse.
-    if plan.process(&mut input, &mut output).is_err() {
-        output.clear();
-    }
-    output
+    fourier.forward(&mut input)
 }
 
 /// Moduli over the phase from cell to cell, `turns` the unit circle in equal parts.
@@ -164,8 +160,7 @@ fn highest_of(heights: &[f64], onward: bool) -> Option<(f64, f64)> {
         here > before && here >= after
     };
     let best = range.filter(is_peak).max_by(|a, b| heights[*a].total_cmp(&heights[*b]))?;
-    let [before, here, after] = around(best).map(|h| h.max(f64::MIN_POSITIVE).ln());
-    let bend = before - 2.0 * here + after;
-    let off = if bend < 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
+    let logarithms = around(best).map(|h| h.max(f64::MIN_POSITIVE).ln());
+    let off = vertex(logarithms).map_or(0.0, |(off, _)| off);
     Some((share(best, 1) + off, heights[best]))
 }

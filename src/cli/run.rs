@@ -18,11 +18,11 @@ use crate::experiment::outcome::Summary;
 use crate::experiment::{Integration, RunError, facts, first_attempt};
 use crate::measurement::arrivals::{Survey, survey};
 use crate::measurement::statistics::statistics;
+use crate::predict::UncertainPrediction;
 use crate::recording::mcap::RecordingWriter;
 use crate::recording::{Shot, TraceSet};
 use crate::report;
 use crate::scene::{FRAMES, Scene};
-use crate::predict::UncertainPrediction;
 
 /// Most shots of a run.
 const MAX_SHOTS: i64 = 100_000;

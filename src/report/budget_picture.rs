@@ -88,8 +88,8 @@ pub fn budget_picture(found: &UncertainPrediction) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::random_inputs::RandomInput;
     use crate::predict::InputShare;
+    use crate::scene::random_inputs::RandomInput;
 
     /// Half, a quarter, and a quarter that is not linear: a whole bar.
     #[test]

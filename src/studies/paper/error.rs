@@ -4,10 +4,10 @@ use crate::analysis::spectrum::SpectrumError;
 use crate::chain::ChainError;
 use crate::experiment::RunError;
 use crate::integrate::IntegrateError;
+use crate::predict::UncertaintyError;
 use crate::scene::SceneError;
 use crate::scene::adjust::AdjustError;
 use crate::scene::problem::Problem;
-use crate::predict::UncertaintyError;
 
 /// Why the paper could not be computed: all of them this program's own mistakes.
 #[derive(Debug, thiserror::Error)]

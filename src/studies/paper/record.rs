@@ -7,6 +7,7 @@ use crate::chain::ForceProbe;
 use crate::experiment::bench::{Bench, Grid};
 use crate::experiment::pulse::{HALF_RISE_SHARE, Peak, PulseRecorder};
 use crate::experiment::{Integration, method, run};
+use crate::numeric::roots::vertex;
 use crate::recording::TrueSignal;
 use crate::scene::{DEFAULT_ACCURACY, Scene};
 use crate::trace::Trace;
@@ -168,10 +169,8 @@ pub(super) fn nothing(scene: &Scene, what: &str) -> PaperError {
 fn maxima(trace: &Trace, sign: f64) -> Vec<(f64, f64)> {
     let mut found = Vec::new();
     for (index, window) in trace.values.windows(3).enumerate() {
-        let [below, here, above] = [window[0], window[1], window[2]].map(|value| sign * value);
-        if here >= below && here > above {
-            let shift = 0.5 * (below - above) / (below - 2.0 * here + above);
-            let value = here - 0.25 * (below - above) * shift;
+        let three = [window[0], window[1], window[2]].map(|value| sign * value);
+        if let Some((shift, value)) = vertex(three).filter(|(shift, _)| shift.abs() <= 0.5) {
             found.push((trace.time(index + 1) + shift * trace.interval, sign * value));
         }
     }
