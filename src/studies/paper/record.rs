@@ -170,7 +170,8 @@ fn maxima(trace: &Trace, sign: f64) -> Vec<(f64, f64)> {
     let mut found = Vec::new();
     for (index, window) in trace.values.windows(3).enumerate() {
         let three = [window[0], window[1], window[2]].map(|value| sign * value);
-        if let Some((shift, value)) = vertex(three).filter(|(shift, _)| (-0.5..0.5).contains(shift)) {
+        if let Some((shift, value)) = vertex(three).filter(|(shift, _)| (-0.5..0.5).contains(shift))
+        {
             found.push((trace.time(index + 1) + shift * trace.interval, sign * value));
         }
     }
