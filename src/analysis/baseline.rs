@@ -3,7 +3,7 @@
 //! Noise of one sample: the baseline's root mean square about its mean, but no less than
 //! `q/sqrt(12)`, what the rounding to levels `q` apart leaves (JCGM 100:2008, F.2.2.1). Where noise
 //! is below half a level, rounding errors of neighbouring samples go together, and zero and noise
-//! follow from how often each code is shown ([`super::rounding`]).
+//! follow from how often each code is shown ([`super::quiet_scope`]).
 //!
 //! A pulse begins below the noise: its foot lies in the baseline if the record begins shortly before
 //! it. A foot rises no more slowly than the exponential through an eighth and a quarter of the
@@ -16,7 +16,8 @@ use std::ops::Range;
 use serde::Serialize;
 
 use super::pulse_conditions::{Conditions, MIN_BASELINE_SAMPLES, PEAK_SHARE, PulseError};
-use super::rounding::{AtRest, MovingScatter, Rounding, Spread};
+use super::quiet_scope::{AtRest, MovingScatter};
+use super::rounding::{Rounding, Spread};
 use crate::numeric::statistics::Moments;
 use crate::trace::Trace;
 

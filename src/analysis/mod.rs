@@ -12,6 +12,7 @@ pub mod least_squares;
 mod local_fit;
 pub mod pulse;
 mod pulse_conditions;
+pub mod quiet_scope;
 pub mod rounding;
 pub mod spectrum;
 pub mod speed;

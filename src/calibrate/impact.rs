@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::record::{Exclusion, NOISE_TIMES, PreparedRecord, RawRecord};
 use crate::analysis::baseline::Baseline;
 use crate::analysis::droop::undo_droop;
-use crate::analysis::rounding::MovingScatter;
+use crate::analysis::quiet_scope::MovingScatter;
 use crate::trace::Trace;
 /// Without a window given, the integral begins and ends this share of the contact outside it (1).
 const WINDOW_MARGIN: f64 = 0.15;

@@ -38,7 +38,7 @@ use self::equation::{Common, MeasurementEquation};
 use self::impact::Impact;
 use self::result::assemble;
 use crate::analysis::baseline::scatter;
-use crate::analysis::rounding::MovingScatter;
+use crate::analysis::quiet_scope::MovingScatter;
 use crate::numeric::statistics::median;
 
 /// An impact this many standard uncertainties away from the others is left out (1).

@@ -3,7 +3,7 @@
 use crate::analysis::baseline::{Baseline, noise_of};
 use crate::analysis::gate::Gate;
 use crate::analysis::pulse::{Conditions, PulseError};
-use crate::analysis::rounding::{AtRest, MovingScatter};
+use crate::analysis::quiet_scope::{AtRest, MovingScatter};
 use crate::trace::Trace;
 
 /// Safety factor on the noise: thousands of samples, none of which may pass by chance (1).

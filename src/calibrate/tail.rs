@@ -9,7 +9,8 @@
 //! nothing behind the contact, as one that only the striker presses on.
 
 use super::record::{PreparedRecord, RawRecord};
-use crate::analysis::rounding::{AtRest, MovingScatter, PossibleZero, Rounding};
+use crate::analysis::quiet_scope::{AtRest, MovingScatter, PossibleZero};
+use crate::analysis::rounding::Rounding;
 
 /// The end of the contact is not sharp: the fit begins this share of the contact later (1).
 const TAIL_DELAY_SHARE: f64 = 0.3;
