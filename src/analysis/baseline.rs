@@ -35,7 +35,7 @@ const MOTION_DEVIATIONS: f64 = 5.0;
 const MOTION_SHARE: f64 = 0.01;
 /// Scatter below this many levels leaves rounding errors that go together (1).
 const DITHERED_RMS: f64 = 0.6;
-/// Samples of a smooth curve that tells the scatter, and levels that it spans at least.
+/// Samples of a smooth curve about which samples scatter, and levels that it spans at least.
 const CURVE_SAMPLES: usize = 12;
 const CURVE_LEVELS: f64 = 3.0;
 

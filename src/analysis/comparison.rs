@@ -9,7 +9,7 @@
 //!   means, `g = [M - l S + sqrt((M - l S)^2 + 4 l C^2)]/(2 C)`, so that measured over simulated
 //!   and simulated over measured are each other's inverse; `u(g)^2 = g^2 (1/r^2 - 1) F/(n - 2)`,
 //!   `F = sum over k of p(k) q(k)` of the autocorrelations of the line's residuals and of the
-//!   signal, 1 for white residuals. Both are told, neither is taken out of the residual;
+//!   signal, 1 for white residuals. Both are reported, neither is taken out of the residual;
 //! - correlation: Pearson's coefficient;
 //! - spectrum distance: `sqrt(sum (|M[k]| - |S[k]|)^2 / sum |S[k]|^2)` over the amplitudes of both
 //!   Fourier transforms without their zero-frequency bins: 0 for a trace shifted in time, `|g - 1|`

@@ -20,7 +20,7 @@
 //!   Ruediger, R. Schilling, MPI report (2002), Eqs (23) and (24).
 //!
 //! Valid below half the sampling frequency; what the signal holds above that is folded down and
-//! cannot be told apart.
+//! cannot be separated.
 //!
 //! Windows: what a record is multiplied with before it is transformed.
 //!

@@ -5,7 +5,7 @@
 //! `X(f, phi) = sum w_n w_t x_n(t) exp(-2 pi i f t + i phi n)`: a wave `cos(2 pi f t - phi n)`,
 //! which runs toward higher `n`, is a maximum at `phi`, one that comes back a maximum at `-phi`. At
 //! each frequency, `1/T` apart, the highest maximum of either direction is a line if it stands out
-//! of the whole plane. Frequencies are told apart at `1/T`, phases at `2 pi/cells`; Hann's window
+//! of the whole plane. Frequencies are separated at `1/T`, phases at `2 pi/cells`; Hann's window
 //! doubles both. Source: D. Alleyne, P. Cawley, J. Acoust. Soc. Am. 89, 1159 (1991). Valid for
 //! waves that fill many cells; where a signal decays over a few, as in a band gap, there is no
 //! wavenumber to be found.
@@ -66,7 +66,7 @@ pub struct SpectralLine {
 pub struct SpectralLines {
     /// The waves, by frequency.
     pub lines: Vec<SpectralLine>,
-    /// Half of what frequencies must be apart to be told apart by the window (Hz).
+    /// Half of the least distance of frequencies that the window separates (Hz).
     pub frequency_resolution: f64,
     /// The same of phases (rad).
     pub phase_resolution: f64,

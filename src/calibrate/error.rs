@@ -15,7 +15,7 @@ pub enum CalibrationError {
         /// Why each of the others is not.
         reasons: Vec<(usize, Exclusion)>,
     },
-    /// Nothing tells the time constant.
+    /// The time constant is not determined.
     #[error(
         "found no time constant: none is given, and no record goes on long enough behind its contact to show one"
     )]

@@ -49,8 +49,8 @@ const MEDIAN_TO_DEVIATION: f64 = 1.4826;
 /// Calibrates.
 ///
 /// # Errors
-/// [`CalibrationError`] where fewer than two impacts can be used or nothing tells the time
-/// constant.
+/// [`CalibrationError`] where fewer than two impacts can be used or the time constant is
+/// not determined.
 pub fn calibrate(
     strikes: &[PlannedStrike],
     common: &Common,
@@ -104,7 +104,7 @@ fn scatters(strikes: &[PlannedStrike]) -> Vec<MovingScatter> {
     each.iter().map(|(level, _)| same(*level)).collect()
 }
 
-/// Without any impact that could be read, that is what has to be told.
+/// The reasons of impacts that could not be read; without any, the missing time constant.
 fn no_tau(strikes: &[PlannedStrike]) -> CalibrationError {
     let guess = |strike: &PlannedStrike| {
         Impact::read(&strike.record, MovingScatter::default(), f64::INFINITY).err()

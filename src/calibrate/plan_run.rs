@@ -30,7 +30,8 @@ pub enum PlanRunError {
     Calibration(#[from] CalibrationError),
 }
 
-/// Calibrates as `plan` says; `columns` tells what those of tables are, where they do not.
+/// Calibrates as `plan` says; `columns` assigns the columns of tables that do not say it
+/// themselves.
 ///
 /// # Errors
 /// [`PlanRunError`]: a recording that cannot be read or has no such channel, at its place in the

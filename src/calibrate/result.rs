@@ -10,7 +10,7 @@ use super::record::{Exclusion, RawRecord};
 use crate::numeric::intervals::{NORMAL_95, expanded_95, student_95};
 use crate::numeric::statistics::StraightLine;
 
-/// One impact as the plan tells it.
+/// One impact of a plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlannedStrike {
     /// The record, or why it cannot be used.
@@ -36,7 +36,7 @@ pub struct RecordingEvidence {
     pub seconds_per_div: f64,
     /// The probe's attenuation (1).
     pub probe: f64,
-    /// The instrument, where the file tells.
+    /// The instrument, if the file names it.
     pub instrument: Option<String>,
 }
 

@@ -231,7 +231,7 @@ pub struct BlindCalibration {
 }
 
 impl BlindCalibration {
-    /// Calibrates with what it is told, without the Monte-Carlo part.
+    /// Calibrates with the stated values, without Monte Carlo.
     ///
     /// # Errors
     /// As [`calibrate`].

@@ -136,7 +136,7 @@ fn without_rounding(values: &[f64], first: usize, rest: &AtRest) -> Option<Vec<(
 
 /// `tau` from several records; none where they show no leak above the noise (s).
 ///
-/// All records count, however little each tells: without those whose leak comes out low by chance
+/// All records count, however uncertain: without those whose leak comes out low by chance
 /// the mean would be too high.
 pub fn weighted_mean(tails: &[Option<Tail>]) -> Option<f64> {
     let (inverse, u) = mean(tails.iter().flatten())?;

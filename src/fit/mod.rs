@@ -141,7 +141,7 @@ fn check_times(records: &Records, duration: f64) -> Result<(), FitError> {
     Ok(())
 }
 
-/// The parameter that cannot be told, and the one that it goes with most.
+/// The parameter that is not determined, and the one that it goes with most.
 fn undetermined(minimum: &Minimum, names: &[String], parameter: usize) -> FitError {
     let columns = &minimum.columns;
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();

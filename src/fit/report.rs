@@ -82,7 +82,7 @@ pub struct ChannelResult {
 pub struct FitReport {
     /// The measured recording.
     pub measured: String,
-    /// The fitted parameters.
+    /// The scene that was fitted.
     pub scene: String,
     /// The freed numbers.
     pub parameters: Vec<Parameter>,

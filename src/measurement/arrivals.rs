@@ -45,7 +45,7 @@ pub struct Arrival {
 pub struct ChannelArrivals {
     /// `CH1`.
     pub channel: String,
-    /// Name of the sensor, where the recording tells.
+    /// Name of the sensor, if the recording states it.
     pub sensor: Option<String>,
     /// Whether the sensor's droop was undone; arrivals of a drooping signal are off by more than is
     /// stated.
@@ -56,7 +56,7 @@ pub struct ChannelArrivals {
     pub noise_v: Option<f64>,
     /// Height of the first peak, volts.
     pub height_v: Option<Uncertain>,
-    /// The same as a force, newtons, where the sensitivity is told.
+    /// The same as a force, newtons, if the sensitivity is known.
     pub height_n: Option<Uncertain>,
     /// Full width at half of the first peak, seconds.
     pub width_s: Option<Uncertain>,
@@ -382,7 +382,7 @@ fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArriva
     (channel, pulse)
 }
 
-/// Speeds over `distance` (m) from one channel to another by every estimator that tells both
+/// Speeds over `distance` (m) from one channel to another by every estimator that finds both
 /// arrivals, and by cross-correlation.
 fn between(
     distance: Uncertain,

@@ -20,7 +20,7 @@ pub struct RecordedSensor {
     pub name: String,
     /// Channel it was wired to, `CH1`.
     pub channel: Option<String>,
-    /// Where its plate sat, where that is told.
+    /// Place of its plate, if known.
     pub place: Option<PlatePlace>,
     /// Voltage per force before any droop (V/N).
     pub sensitivity: Option<f64>,
@@ -35,7 +35,7 @@ pub struct RecordedSensor {
     pub time_constant: Option<f64>,
     /// Relative standard uncertainty of the time constant, where the sensor was calibrated (1).
     pub time_constant_u: Option<f64>,
-    /// Kind of the particle in which it was calibrated, where that is told.
+    /// Kind of the particle in which it was calibrated, if known.
     pub calibrated_host: Option<String>,
 }
 
@@ -178,7 +178,7 @@ impl RecordedSensor {
         })
     }
 
-    /// Its host, where that is told.
+    /// Its host, if known.
     pub fn site(&self) -> Option<Site> {
         self.place.map(|place| place.site)
     }

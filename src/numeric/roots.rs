@@ -21,7 +21,7 @@ pub fn root(
             return low;
         }
         let falsi = (low * at_high - high * at_low) / (at_high - at_low);
-        // Never nearer to an end than it can be told from it, so that the other end follows once
+        // Never nearer to an end than rounding distinguishes, so that the other end follows once
         // one has arrived.
         let falsi = falsi.max(low + smallest).min(high - smallest);
         let inside = falsi > low && falsi < high && count < 60;

@@ -133,7 +133,7 @@ pub fn judge(compared: &mut Compared, predicted: &UncertainPrediction) -> Vec<No
     errors
 }
 
-/// Root mean square over the samples of their normalised errors; none for a band that tells nothing
+/// Root mean square over the samples of their normalised errors; none for a band without width
 /// of them.
 fn trace_error(
     (score, gain_u): (&ChannelScore, f64),

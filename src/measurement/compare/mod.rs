@@ -2,7 +2,7 @@
 //! judged.
 //!
 //! One shift serves all channels, since a scope has one time base: speeds stay what they are. Gain
-//! and offset are found and told, and never taken out. Peaks and arrivals (half-rise) come from the
+//! and offset are found and reported, and never taken out. Peaks and arrivals (half-rise) come from the
 //! first pulse with the sensor's droop undone where its time constant is known; a measured channel
 //! whose sensor is not known borrows the simulated one's. The other scores are those of
 //! [`crate::analysis::comparison`]. JSON names and units are part of the interface.

@@ -29,7 +29,7 @@ pub(super) fn accuracy(scene: &Scene) -> f64 {
 /// Forces at several places of a scene.
 pub(super) struct ForceRecord {
     pub scene: Scene,
-    felt: Vec<(ForceLocation, Trace, PulseRecorder)>,
+    records: Vec<(ForceLocation, Trace, PulseRecorder)>,
 }
 
 impl ForceRecord {
@@ -43,17 +43,17 @@ impl ForceRecord {
         let velocities = &scene.initial_velocities;
         let mut bench = Bench::new(chain, velocities, method, &probes, grid, Grid::NEVER);
         bench.run_until(scene.duration, true, &mut |_| ())?;
-        let felt = places.iter().zip(bench.watches()).map(|(place, watch)| {
+        let records = places.iter().zip(bench.watches()).map(|(place, watch)| {
             let trace = grid.trace(&place.words(chain), "N", watch.samples.clone());
             (*place, trace, watch.pulse.clone())
         });
-        Ok(Self { scene: scene.clone(), felt: felt.collect() })
+        Ok(Self { scene: scene.clone(), records: records.collect() })
     }
 
     fn at(&self, place: ForceLocation) -> Result<(&Trace, &PulseRecorder), PaperError> {
-        let felt = self.felt.iter().find(|(there, ..)| *there == place);
-        let felt = felt.map(|(_, trace, pulse)| (trace, pulse));
-        felt.ok_or_else(|| nothing(&self.scene, &format!("force at {}", place.key())))
+        let record = self.records.iter().find(|(there, ..)| *there == place);
+        let record = record.map(|(_, trace, pulse)| (trace, pulse));
+        record.ok_or_else(|| nothing(&self.scene, &format!("force at {}", place.key())))
     }
 
     /// The force over time.
@@ -87,7 +87,7 @@ impl ForceRecord {
         echo.filter(|_| place != ForceLocation::Wall).map_or(end, |echo| echo.min(end))
     }
 
-    /// The same with Hann's window, for a part of a signal that goes on.
+    /// Spectrum with a Hann window, for a section of a longer signal.
     pub(super) fn windowed(
         &self,
         place: ForceLocation,

@@ -68,7 +68,7 @@ fn extension(file: &Path) -> Option<String> {
     file.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase)
 }
 
-/// Writes a table of numbers, `csv`, in the format that the name of `file` tells.
+/// Writes a table of numbers, `csv`, in the format of the extension of `file`.
 ///
 /// # Errors
 /// [`SweepError`] where the file cannot be written.
