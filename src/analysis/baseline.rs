@@ -5,11 +5,11 @@
 //! is below half a level, rounding errors of neighbouring samples go together, and zero and noise
 //! follow from how often each code is shown ([`super::quiet_scope`]).
 //!
-//! A pulse begins below the noise: its foot lies in the baseline if the record begins shortly before
-//! it. A foot rises no more slowly than the exponential through an eighth and a quarter of the
-//! largest value (a pulse in a precompressed chain begins so; a Hertz contact at once): its mean
-//! over the baseline is a part of the zero's uncertainty, and the baseline ends where noise and
-//! foot together are least.
+//! A pulse begins below the noise: its foot lies in the baseline if the record begins shortly
+//! before it. A foot rises no more slowly than the exponential through an eighth and a quarter of
+//! the largest value (a pulse in a precompressed chain begins so; a Hertz contact at once): its
+//! mean over the baseline is a part of the zero's uncertainty, and the baseline ends where noise
+//! and foot together are least.
 
 use std::ops::Range;
 

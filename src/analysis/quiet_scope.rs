@@ -1,11 +1,11 @@
 //! Zero and noise of a quiet scope, from how often each code is shown.
 //!
-//! A signal at rest at `z` with noise `s` (levels) shows code `k` with the probability
-//! `P_k = Phi((k + 1/2 - z)/s) - Phi((k - 1/2 - z)/s)`, and Bayes' rule with even priors of `z` and
-//! `ln s` gives the distribution of both ([`AtRest`]). A single code leaves the zero anywhere within
-//! it, but for the noise; two or more determine it to a fraction of the noise. Where the signal
-//! crosses levels, its scatter about smooth curves shows the noise, too ([`MovingScatter`]): `s^2`,
-//! and what the curves leave of the rounding error's harmonics ([`super::rounding`]).
+//! A signal at rest at `z` with noise `s` (levels) shows code `k` with the probability `P_k =
+//! Phi((k + 1/2 - z)/s) - Phi((k - 1/2 - z)/s)`, and Bayes' rule with even priors of `z` and `ln s`
+//! gives the distribution of both ([`AtRest`]). A single code leaves the zero anywhere within it,
+//! but for the noise; two or more determine it to a fraction of the noise. Where the signal crosses
+//! levels, its scatter about smooth curves shows the noise, too ([`MovingScatter`]): `s^2`, and
+//! what the curves leave of the rounding error's harmonics ([`super::rounding`]).
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;

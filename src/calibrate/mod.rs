@@ -1,17 +1,16 @@
 //! A force sensor's sensitivity from impacts of known momentum.
 //!
-//! A striker of mass `m` that arrives with `v_i` and leaves with `v_r` hands over
-//! `M = m (v_i + v_r) + m g (t2 - t1)`, its weight during the contact included; the sensor's
-//! voltage `V`, with its droop undone, integrates to `S M`:
-//! `S = integral (V + (1/tau) integral V) dt / M`. [`plan_run`] reads a plan's recordings,
-//! [`impact`] evaluates one record, [`equation`] is that equation with all its inputs and the
-//! budget of their uncertainties (GUM), [`monte_carlo`] checks it by draws (GUM's first
-//! supplement), [`result`] and [`report`] are what the certificate contains. [`design`] and
-//! [`blind`] try calibrations on simulated impacts ([`simulation`]). A plate below a mass `m_a` in a
-//! host that moves as a whole, `m_t` with all that it takes along, receives the share `1 - m_a/m_t`
-//! of `M`. Source: the balance of linear momentum; JCGM 100:2008; JCGM 101:2008. Valid where the
-//! sensor measures the whole contact force and nothing else, and the striker is rigid and falls
-//! freely but for the contact.
+//! A striker of mass `m` that arrives with `v_i` and leaves with `v_r` hands over `M = m (v_i +
+//! v_r) + m g (t2 - t1)`, its weight during the contact included; the sensor's voltage `V`, with
+//! its droop undone, integrates to `S M`: `S = integral (V + (1/tau) integral V) dt / M`.
+//! [`plan_run`] reads a plan's recordings, [`impact`] evaluates one record, [`equation`] is that
+//! equation with all its inputs and the budget of their uncertainties (GUM), [`monte_carlo`] checks
+//! it by draws (GUM's first supplement), [`result`] and [`report`] are what the certificate
+//! contains. [`design`] and [`blind`] try calibrations on simulated impacts ([`simulation`]). A
+//! plate below a mass `m_a` in a host that moves as a whole, `m_t` with all that it takes along,
+//! receives the share `1 - m_a/m_t` of `M`. Source: the balance of linear momentum; JCGM 100:2008;
+//! JCGM 101:2008. Valid where the sensor measures the whole contact force and nothing else, and the
+//! striker is rigid and falls freely but for the contact.
 
 pub mod blind;
 pub mod design;

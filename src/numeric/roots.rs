@@ -14,8 +14,8 @@ pub fn root(
     }
     let mut side = 0_i8;
     for count in 0..120_u8 {
-        // Of the step's length, too: if `at_low` comes from the previous step's polynomial, the root
-        // may lie at `low`.
+        // Of the step's length, too: if `at_low` comes from the previous step's polynomial, the
+        // root may lie at `low`.
         let smallest = f64::EPSILON * high.max(f64::EPSILON);
         if at_low == 0.0 || high - low <= smallest {
             return low;

@@ -136,7 +136,8 @@ fn numbers(tuning: &Tuning) -> Vec<String> {
     table::lines(&rows, &[])
 }
 
-/// The map as a picture: for each number what arrives with the band edges, and beside it the speeds.
+/// The map as a picture: for each number what arrives with the band edges, and beside it the
+/// speeds.
 pub fn tunability_svg(title: &str, tunings: &[Tuning]) -> String {
     let panels = tunings.iter().flat_map(|tuning| [map_panel(tuning), speed_panel(tuning)]);
     sheet_svg(&Sheet {

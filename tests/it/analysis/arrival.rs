@@ -278,7 +278,8 @@ fn a_foot_in_the_baseline_is_covered() {
     }
 }
 
-/// A record that begins while the chain still moves, and holds a larger pulse later: no first pulse.
+/// A record that begins while the chain still moves, and holds a larger pulse later: no first
+/// pulse.
 #[test]
 fn a_record_that_begins_in_motion_has_no_first_pulse() {
     let moving = |t: f64| 0.08 * (t / 40e-6).sin() + gaussian(600e-6, 1.0)(t);
