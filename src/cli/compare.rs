@@ -16,12 +16,12 @@ use crate::files;
 use crate::measurement::compare::mapping::Assignment;
 use crate::measurement::compare::score_limits::ScoreLimits;
 use crate::measurement::compare::{Align, Compared, ComparedShot, compare};
+use crate::predict::{NormalisedError, judge, normalised_errors};
 use crate::recording::format::{Format, open_shot};
 use crate::recording::{TraceSet, mcap};
 use crate::report;
 use crate::report::document::{Part, html, markdown};
 use crate::scene::Scene;
-use crate::studies::uncertainty::{NormalisedError, judge, normalised_errors};
 
 /// Compare a measurement with a simulation: scores for each channel; exit code 1 where they exceed
 /// the tolerance

@@ -24,6 +24,7 @@ mod hard_cases;
 mod help;
 mod info;
 mod input;
+pub mod installation;
 mod list;
 mod magnet;
 mod man;

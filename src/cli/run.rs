@@ -17,11 +17,11 @@ use crate::experiment::outcome::Summary;
 use crate::experiment::{Integration, facts};
 use crate::measurement::arrivals::{Survey, survey};
 use crate::measurement::statistics::statistics;
+use crate::predict::UncertainPrediction;
 use crate::recording::mcap::RecordingWriter;
 use crate::recording::{Shot, TraceSet};
 use crate::report;
 use crate::scene::{FRAMES, Scene};
-use crate::studies::uncertainty::UncertainPrediction;
 
 /// Most shots of a run.
 const MAX_SHOTS: i64 = 100_000;

@@ -15,8 +15,8 @@ pub use table::{ChosenMethod, Order, Point, Reference};
 use serde::Serialize;
 
 use crate::experiment::estimate::level;
+use crate::numeric::intervals::student_95;
 use crate::numeric::statistics::StraightLine;
-use crate::quantity::coverage::student_95;
 use crate::scene::Scene;
 use points::{ChoiceTimes, WallTimes, choice, point, reference, settings};
 
@@ -168,6 +168,6 @@ fn slope(points: &[(f64, f64)]) -> Option<(f64, f64)> {
         return None;
     }
     let weighted: Vec<(f64, f64, f64)> = points.iter().map(|(x, y)| (*x, *y, 1.0)).collect();
-    let line = StraightLine::through(&weighted);
+    let line = StraightLine::through(&weighted)?;
     Some((line.slope, line.slope_u(points.len())))
 }

@@ -3,8 +3,9 @@
 use super::trial::{EffectTrial, of_chain};
 use super::{BaselineRun, EffectFinding, EffectState, LedgerEntry};
 use crate::chain::{
-    Body, Gravity, LinearisedContacts, LossKind, MagnetForce, MagnetLaw, PlacedAt, PlacedMagnet,
+    Gravity, LinearisedContacts, LossKind, MagnetForce, MagnetLaw, PlacedAt, PlacedMagnet,
 };
+use crate::measurement::metadata::mass_without_sensor;
 use crate::quantity::engineering;
 use crate::scene::{Scene, Site, magnets};
 
@@ -255,16 +256,7 @@ pub fn host_mass(subject: &BaselineRun<'_>) -> LedgerEntry {
         Site::Wall => None,
     };
     let hosts: Vec<usize> = scene.sensors.iter().filter_map(|s| host(s.site)).collect();
-    // A kind's own mass is that of its particles without a sensor; in a taper they are of other
-    // sizes.
-    let own = |index: usize| {
-        let body = particles.get(index)?;
-        let is_bare = |(i, bare): &(usize, &Body)| bare.name == body.name && !hosts.contains(i);
-        let size = |(_, bare): &(usize, &Body)| (bare.length / body.length).ln().abs();
-        let bare = particles.iter().enumerate().filter(is_bare);
-        let (_, bare) = bare.min_by(|a, b| size(a).total_cmp(&size(b)))?;
-        Some(bare.mass * (body.length / bare.length).powi(3))
-    };
+    let own = |index: usize| mass_without_sensor(scene, index + 1);
     let ratio = |index: &usize| Some(particles.get(*index)?.mass / own(*index)? - 1.0);
     let value = hosts.iter().filter_map(ratio).reduce(|a, b| if b.abs() > a.abs() { b } else { a });
     let is_on = value.is_some_and(|value| value.abs() > ROUNDING);

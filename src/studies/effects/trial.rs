@@ -255,7 +255,7 @@ pub(super) struct BaselineRun<'a> {
     pub(super) scene: &'a Scene,
     pub(super) accuracy: f64,
     pub(super) bench: Bench<'a>,
-    /// The smallest first peak; infinite where nothing was felt (N).
+    /// The smallest first peak; infinite without any pulse (N).
     pub(super) wave: f64,
 }
 

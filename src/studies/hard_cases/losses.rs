@@ -1,4 +1,4 @@
-//! Chains that lose energy: from losses that hardly show to contacts that move like honey.
+//! Chains that lose energy, from weak losses to overdamped contacts.
 
 use super::HardCase;
 use super::benches::{

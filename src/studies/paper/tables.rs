@@ -15,10 +15,10 @@ use crate::experiment::ensemble::{Case, Ensemble};
 use crate::experiment::paper_speeds::{PaperSpeed, speeds};
 use crate::experiment::pulse::{HALF_RISE_SHARE, PulseRecorder};
 use crate::numeric::roots::golden_section;
+use crate::predict::{SampleOptions, uncertain_prediction};
 use crate::quantity::Uncertain;
 use crate::scene::Scene;
 use crate::scene::adjust::Adjustable;
-use crate::studies::uncertainty::{SampleOptions, uncertain_prediction};
 
 /// Particles between which speeds are taken.
 const SPEED_PARTICLES: [usize; 2] = [14, 27];

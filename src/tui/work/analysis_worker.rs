@@ -7,13 +7,11 @@ use super::{ScreenEvent, guarded, with_reasons};
 use crate::experiment::{Integration, facts, run};
 use crate::measurement::compare::score_limits::ScoreLimits;
 use crate::measurement::compare::{Align, Compared, ComparedShot, compare};
+use crate::predict::{SampleOptions, UncertainPrediction, judge, uncertain_prediction};
 use crate::recording::format::{Format, open};
 use crate::recording::{Origin, Shot, TraceSet};
 use crate::scene::Scene;
 use crate::scene::adjust::Adjustable;
-use crate::studies::uncertainty::{
-    SampleOptions, UncertainPrediction, judge, uncertain_prediction,
-};
 use crate::studies::{cost, effects, hard_cases};
 use crate::tui::model::background_jobs::JobAnswer;
 use crate::tui::model::{JobState, ScreenState};

@@ -5,10 +5,10 @@ use std::sync::mpsc::{Receiver, Sender};
 use super::{ScreenEvent, guarded, with_reasons};
 use crate::experiment::auto_effects::resolve_auto_effects;
 use crate::experiment::{Integration, facts, run};
+use crate::predict::{SampleOptions, TraceBand, trace_bands};
 use crate::recording::TraceSet;
 use crate::scene::Scene;
 use crate::scene::adjust::Adjustable;
-use crate::studies::uncertainty::{SampleOptions, TraceBand, trace_bands};
 use crate::tui::model::background_jobs::JobAnswer;
 use crate::tui::model::{JobState, StrikeRequest, StrikeResult};
 

@@ -1,13 +1,12 @@
 //! One record of one impact: where its contact is, and the sums from which its integral follows for
 //! any baseline and tau.
 
-use super::Exclusion;
-use super::prepared::PreparedRecord;
-use super::record::NOISE_TIMES;
-pub use super::record::RawRecord;
+use serde::Serialize;
+
+use super::record::{Exclusion, NOISE_TIMES, PreparedRecord, RawRecord};
 use crate::analysis::baseline::Baseline;
 use crate::analysis::droop::undo_droop;
-use crate::analysis::rounding::MovingScatter;
+use crate::analysis::quiet_scope::MovingScatter;
 use crate::trace::Trace;
 /// Without a window given, the integral begins and ends this share of the contact outside it (1).
 const WINDOW_MARGIN: f64 = 0.15;
@@ -34,33 +33,45 @@ pub struct Sums {
 }
 
 /// Numbers from one record.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Impact {
     /// Its baseline.
+    #[serde(flatten)]
     pub baseline: Baseline,
     /// Standard uncertainty of one sample (V).
+    #[serde(rename = "noise_v")]
     pub noise: f64,
     /// Whether the pulse is negative; everything here is turned over.
+    #[serde(skip)]
     pub negative: bool,
     /// From one sample to the next (s).
+    #[serde(skip)]
     pub interval: f64,
-    /// Start of the contact (s).
+    /// Start of the contact after the trigger (s).
+    #[serde(rename = "contact_s")]
     pub contact: f64,
     /// Duration of the contact (s).
+    #[serde(rename = "duration_s")]
     pub duration: f64,
     /// Its standard uncertainty (s).
+    #[serde(skip)]
     pub duration_u: f64,
     /// First and last time of the integral (s).
+    #[serde(rename = "window_s")]
     pub window: [f64; 2],
     /// Share of the record before the contact (1).
     pub pre_trigger: f64,
     /// Largest value with the droop undone, `S` times the force (V).
+    #[serde(skip)]
     pub peak: f64,
     /// Sums over the window.
+    #[serde(skip)]
     pub sums: Sums,
     /// The voltage without its baseline.
+    #[serde(skip)]
     pub signal: Trace,
     /// The same with its droop undone from the window's start on.
+    #[serde(skip)]
     pub restored: Trace,
 }
 

@@ -10,9 +10,11 @@
 
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rand_pcg::Pcg64;
+use serde::Serialize;
 
-use super::model::MeasurementEquation;
-use crate::quantity::coverage::expanded_95;
+use super::equation::{MeasurementEquation, root_of_squares};
+use crate::numeric::intervals::expanded_95;
+use crate::numeric::statistics::{Moments, quantile};
 
 /// Significant digits of the standard uncertainty that both propagations are to agree in, as far as
 /// the draws resolve them.
@@ -26,69 +28,68 @@ const END_DEVIATIONS: f64 = 3.0;
 const MONTE_CARLO_STREAM: u128 = 101;
 
 /// Result of the draws.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct MonteCarlo {
     /// Number of draws.
     pub draws: usize,
     /// Seed.
     pub seed: u64,
     /// Mean of the sensitivity (V/N).
+    #[serde(rename = "mean_v_per_n")]
     pub mean: f64,
     /// Its standard deviation (V/N).
+    #[serde(rename = "u_v_per_n")]
     pub u: f64,
     /// Where 2.5 % are below and 2.5 % above (V/N).
+    #[serde(rename = "interval_95_v_per_n")]
     pub interval_95: [f64; 2],
     /// The same by the propagation of uncertainty of the same inputs (V/N).
+    #[serde(rename = "propagated_95_v_per_n")]
     pub propagated_95: [f64; 2],
-    /// How far the ends of the interval may be from those of the propagated uncertainty (V/N).
-    pub tolerance: f64,
-    /// The larger of how far they are (V/N).
-    pub difference: f64,
-    /// Whether they agree.
+    /// Whether the draws confirm the propagation of uncertainty (JCGM 101, clause 8).
+    #[serde(rename = "agrees_with_gum")]
     pub agrees: bool,
+    /// Largest difference of the ends of both intervals (V/N).
+    #[serde(rename = "difference_v_per_n")]
+    pub difference: f64,
+    /// Difference that is tolerated (V/N).
+    #[serde(rename = "tolerance_v_per_n")]
+    pub tolerance: f64,
 }
 
 /// Draws; none for none.
-pub fn run(model: &MeasurementEquation, draws: Draws) -> Option<MonteCarlo> {
+pub fn run(equation: &MeasurementEquation, draws: Draws) -> Option<MonteCarlo> {
     if draws.count < 2 {
         return None;
     }
     let mut stream = Pcg64::new(u128::from(draws.seed), MONTE_CARLO_STREAM);
-    let mut values = model.estimates();
+    let mut inputs = equation.estimates().clone();
     let mut found: Vec<f64> = Vec::with_capacity(draws.count);
     for _ in 0..draws.count {
-        for (value, input) in values.iter_mut().zip(model.inputs()) {
-            if input.u > 0.0 {
-                let deviate: f64 = if input.is_even {
-                    let share: f64 = StandardUniform.sample(&mut stream);
-                    3f64.sqrt() * (2.0 * share - 1.0)
-                } else {
-                    StandardNormal.sample(&mut stream)
-                };
+        for input in equation.inputs().iter().filter(|input| input.u > 0.0) {
+            let deviate: f64 = if input.is_even {
+                let share: f64 = StandardUniform.sample(&mut stream);
+                3f64.sqrt() * (2.0 * share - 1.0)
+            } else {
+                StandardNormal.sample(&mut stream)
+            };
+            if let Some(value) = inputs.get_mut(input.kind, input.index) {
                 *value = input.value + input.u * deviate;
             }
         }
-        found.push(model.evaluate(&values));
+        found.push(equation.evaluate(&inputs));
     }
-    let count = found.len() as f64;
-    let mean = found.iter().sum::<f64>() / count;
-    let u = (found.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt();
+    let Moments { mean, deviation: u, .. } = Moments::of(&found);
     found.sort_by(f64::total_cmp);
-    let quantile = |share: f64| {
-        let index = (share * count) as usize;
-        found.get(index.min(found.len() - 1)).copied().unwrap_or(mean)
-    };
-    let interval_95 = [quantile(0.025), quantile(0.975)];
-    let changes = |values: &[f64]| model.evaluate(values);
-    let parts: Vec<f64> = model.changes(&changes).collect();
-    let propagated = parts.iter().map(|c| c * c).sum::<f64>().sqrt();
-    let even = model.inputs().iter().zip(&parts).find(|(input, _)| input.is_even);
-    let half_width = even.map_or(0.0, |(_, part)| 3f64.sqrt() * part.abs());
-    let (center, half) = (model.sensitivity(), expanded_95(propagated, half_width));
+    let interval_95 = [quantile(&found, 0.025), quantile(&found, 0.975)];
+    let parts: Vec<f64> = equation.budget().iter().map(|line| line.contribution).collect();
+    let propagated = root_of_squares(&parts);
+    let half_width = equation.half_width();
+    let (center, half) = (equation.sensitivity(), expanded_95(propagated, half_width));
     let propagated_95 = [center - half, center + half];
     let apart = |end: usize| (interval_95[end] - propagated_95[end]).abs();
     let difference = apart(0).max(apart(1));
-    let scatter = END_DEVIATIONS * END_SCATTER * propagated / count.sqrt();
+    let scatter = END_DEVIATIONS * END_SCATTER * propagated / (found.len() as f64).sqrt();
     let [fine, coarse] =
         DIGITS.map(|digits| 0.5 * 10f64.powi(propagated.log10().floor() as i32 - digits + 1));
     let tolerance = if fine >= scatter { fine } else { coarse };

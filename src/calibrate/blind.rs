@@ -6,8 +6,10 @@ use rand_pcg::Pcg64;
 use serde::Serialize;
 
 use super::design::{Designer, TestDesign};
+use super::result::Calibration;
 use super::simulation::TestError;
-use crate::analysis::calibration::Calibration;
+use crate::numeric::intervals::NORMAL_95;
+use crate::numeric::statistics::{Coverage, Moments};
 use crate::sensor::Circuit;
 
 /// Sensitivity and time constant are off the sensor's data by up to this, evenly: 90 % of it at
@@ -18,7 +20,7 @@ const HIDDEN_STREAM: u128 = 1 << 71;
 
 /// How well blind calibrations do.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Coverage {
+pub struct CalibrationCoverage {
     /// Number of calibrations.
     pub repeats: u32,
     /// How many of them came to no result.
@@ -48,28 +50,21 @@ pub struct Coverage {
 /// Sums over calibrations.
 #[derive(Default)]
 struct Sums {
-    ratios: Vec<f64>,
-    inside: f64,
-    naive: f64,
-    naive_inside: f64,
-    u: f64,
-    largest_u: f64,
-    tau: f64,
+    sensitivities: Coverage,
+    naive: Coverage,
+    tau: Coverage,
+    u: Vec<f64>,
     left_out: u32,
 }
 
 impl Sums {
     fn add(&mut self, found: &Calibration, truth: Circuit) {
-        let off = |s: f64| (s - truth.sensitivity).abs();
-        let within = |s: f64| f64::from(u8::from(off(s) <= found.expanded()));
-        let relative = found.expanded() / found.sensitivity;
-        self.ratios.push(found.sensitivity / truth.sensitivity);
-        self.inside += within(found.sensitivity);
-        self.naive += found.naive / truth.sensitivity - 1.0;
-        self.naive_inside += within(found.naive);
-        self.u += relative;
-        self.largest_u = self.largest_u.max(relative);
-        self.tau += found.tau / truth.time_constant - 1.0;
+        let (expanded, s) = (found.expanded, truth.sensitivity);
+        self.sensitivities.add(found.sensitivity, expanded, s, s);
+        self.naive.add(found.naive, expanded, s, s);
+        let tau = truth.time_constant;
+        self.tau.add(found.tau, NORMAL_95 * found.tau_u, tau, tau);
+        self.u.push(expanded / found.sensitivity);
         let left_out = found.impacts.iter().filter(|impact| impact.exclusion.is_some()).count();
         self.left_out += u32::try_from(left_out).unwrap_or(u32::MAX);
     }
@@ -85,7 +80,7 @@ pub fn coverage(
     repeats: u32,
     seed: u64,
     progress: &mut dyn FnMut(f64),
-) -> Result<Coverage, TestError> {
+) -> Result<CalibrationCoverage, TestError> {
     let (striker, truths, setup) = designer.prepare(candidate)?;
     let mut hidden = Pcg64::new(u128::from(seed), HIDDEN_STREAM);
     let mut sums = Sums::default();
@@ -105,20 +100,18 @@ pub fn coverage(
         }
         progress(f64::from(repeat) / f64::from(repeats));
     }
-    let count = sums.ratios.len() as f64;
-    let mean = sums.ratios.iter().sum::<f64>() / count;
-    let squares: f64 = sums.ratios.iter().map(|ratio| (ratio - mean).powi(2)).sum();
-    Ok(Coverage {
+    let errors = sums.sensitivities.errors();
+    Ok(CalibrationCoverage {
         repeats,
-        failed: repeats - u32::try_from(sums.ratios.len()).unwrap_or(repeats),
-        bias: mean - 1.0,
-        bias_u: (squares / (count - 1.0) / count).sqrt(),
-        coverage_95: sums.inside / count,
-        mean_expanded: sums.u / count,
-        largest_expanded: sums.largest_u,
-        naive_bias: sums.naive / count,
-        naive_coverage_95: sums.naive_inside / count,
-        tau_bias: sums.tau / count,
+        failed: repeats - u32::try_from(errors.count).unwrap_or(repeats),
+        bias: errors.mean,
+        bias_u: errors.mean_u(),
+        coverage_95: sums.sensitivities.share(),
+        mean_expanded: Moments::of(&sums.u).mean,
+        largest_expanded: sums.u.iter().copied().fold(0.0, f64::max),
+        naive_bias: sums.naive.errors().mean,
+        naive_coverage_95: sums.naive.share(),
+        tau_bias: sums.tau.errors().mean,
         impacts_left_out: sums.left_out,
     })
 }

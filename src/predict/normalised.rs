@@ -15,8 +15,8 @@ use super::UncertainPrediction;
 use super::outputs::{OutputInterval, TraceBand};
 use crate::analysis::comparison::Pair;
 use crate::measurement::compare::{ChannelScore, Compared, SpeedScore};
+use crate::numeric::intervals::expanded_95;
 use crate::quantity::Uncertain;
-use crate::quantity::coverage::expanded_95;
 
 /// Moves smaller than this share of the largest are not listed (1).
 const LISTED_SHARE: f64 = 0.1;
@@ -133,7 +133,7 @@ pub fn judge(compared: &mut Compared, predicted: &UncertainPrediction) -> Vec<No
     errors
 }
 
-/// Root mean square over the samples of their normalised errors; none for a band that tells nothing
+/// Root mean square over the samples of their normalised errors; none for a band without width
 /// of them.
 fn trace_error(
     (score, gain_u): (&ChannelScore, f64),

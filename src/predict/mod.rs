@@ -12,7 +12,8 @@
 //! with `[effects.scope_errors]` each channel's gain and zero. Sources: M. D. `McKay`, R. J.
 //! Beckman, W. J. Conover, Technometrics 21, 239 (1979); A. Saltelli et al., "Global Sensitivity
 //! Analysis" (2008), section 1.2.5 (standardised regression coefficients); JCGM 101:2008. Valid
-//! where outputs are nearly linear over the inputs' spread: the share that is left tells.
+//! where outputs are nearly linear over the inputs' spread: the share that is left shows whether
+//! they are.
 
 mod normalised;
 mod outputs;

@@ -1,29 +1,23 @@
-//! Calibrates a sensor from a plan and its recordings.
-
-mod fill;
-mod plausibility;
-pub mod words;
-
-pub use fill::{METHOD, report, sensor_file};
-pub use plausibility::common;
-pub use words::CalibrationReport;
+//! Calibrates by a plan: reads its recordings, and finds what in its data cannot be.
 
 use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-use crate::analysis::calibration::impact::RawRecord;
-use crate::analysis::calibration::model::StrikerMotion;
-use crate::analysis::calibration::{self, Calibration, CalibrationError, Draws, PlannedStrike};
+use super::equation::{Common, SpeedSource, StrikerMotion};
+use super::error::CalibrationError;
+use super::record::{Exclusion, RawRecord};
+use super::report::CalibrationReport;
+use super::result::{Calibration, ImpactResult, PlannedStrike, RecordingEvidence};
+use super::{Draws, calibrate};
 use crate::analysis::gate::Gate;
+use crate::quantity::Uncertain;
 use crate::recording::format::open_with;
 use crate::recording::tek_csv::TableColumns;
 use crate::recording::{Capture, TraceSet};
 use crate::scene::hexadecimal;
-use crate::scene::plan::{CalibrationPlan, INPUT, PlanError, PlannedImpact};
+use crate::scene::plan::{CalibrationPlan, INPUT, PlanError, PlannedImpact, SpeedMethod};
 use crate::scene::problem::Problem;
-use plausibility::speed;
-use words::RecordingEvidence;
 
 /// Why there is no calibration.
 #[derive(Debug, thiserror::Error)]
@@ -36,21 +30,16 @@ pub enum PlanRunError {
     Calibration(#[from] CalibrationError),
 }
 
-/// A calibration with all that goes into its certificate.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Calibrated {
-    /// The calibration, with the signals.
-    pub calibration: Calibration,
-    /// The same in words and numbers.
-    pub report: CalibrationReport,
-}
-
-/// Calibrates as `plan` says; `columns` tells what those of tables are, where they do not.
+/// Calibrates as `plan` says; `columns` assigns the columns of tables that do not say it
+/// themselves.
 ///
 /// # Errors
 /// [`PlanRunError`]: a recording that cannot be read or has no such channel, at its place in the
 /// plan; or too few impacts left.
-pub fn run(plan: &CalibrationPlan, columns: &TableColumns) -> Result<Calibrated, PlanRunError> {
+pub fn run(
+    plan: &CalibrationPlan,
+    columns: &TableColumns,
+) -> Result<CalibrationReport, PlanRunError> {
     let mut problems = Vec::new();
     let (mut strikes, mut evidence) = (Vec::new(), Vec::new());
     for impact in &plan.impacts {
@@ -70,9 +59,12 @@ pub fn run(plan: &CalibrationPlan, columns: &TableColumns) -> Result<Calibrated,
         return Err(PlanError::Problems(problems).into());
     }
     let draws = Draws { seed: plan.seed, count: usize::try_from(plan.draws).unwrap_or(0) };
-    let found = calibration::calibrate(&strikes, &common(plan), draws)?;
-    let report = report(plan, &found, evidence);
-    Ok(Calibrated { calibration: found, report })
+    let mut found = calibrate(&strikes, &common(plan), draws)?;
+    for (impact, proof) in found.impacts.iter_mut().zip(evidence) {
+        impact.evidence = Some(proof);
+    }
+    let contradictions = contradictions(plan, &found);
+    Ok(CalibrationReport::new(plan, found, contradictions))
 }
 
 /// A chain is one channel at one range: the first impact that was taken with another.
@@ -165,4 +157,84 @@ fn hash(file: &Path, set: &TraceSet) -> std::io::Result<String> {
         hash.update(std::fs::read(file)?);
     }
     Ok(hexadecimal(&hash.finalize()))
+}
+
+/// What the impacts of `plan` share.
+pub fn common(plan: &CalibrationPlan) -> Common {
+    let number = |u: f64| Uncertain::normal(1.0, u);
+    Common {
+        strikers: plan.strikers.clone(),
+        gain: plan.gain.unwrap_or(number(0.0)),
+        speed_scale: number(plan.speed_scale_u),
+        gate_distance: plan.gate_distance,
+        gravity: plan.gravity,
+        tau: plan.tau,
+        above: plan.above,
+    }
+}
+
+fn speed((means, value): (SpeedMethod, Uncertain)) -> SpeedSource {
+    match means {
+        SpeedMethod::Speed => SpeedSource::Speed(value),
+        SpeedMethod::Height => SpeedSource::Height(value),
+        SpeedMethod::GateTime => SpeedSource::GateTime(value),
+        SpeedMethod::FlightTime => SpeedSource::FlightTime(value),
+    }
+}
+
+/// A scatter that many times what the inputs explain is no chance: with six impacts normal errors
+/// exceed it in 2 of 10,000 calibrations (1).
+const LARGEST_BIRGE_RATIO: f64 = 2.2;
+/// Of so many impacts one may be left out as an outlier.
+const MOST_OUTLIERS: usize = 4;
+/// A sensitivity with a larger expanded uncertainty over its value is not determined (1).
+const MAX_EXPANDED_SHARE: f64 = 0.5;
+/// Local gravity at the surface, mountains included (m/s^2).
+const GRAVITY: std::ops::RangeInclusive<f64> = 9.76..=9.84;
+
+/// What in `plan` cannot be, or cannot be together.
+fn contradictions(plan: &CalibrationPlan, found: &Calibration) -> Vec<String> {
+    let mut wrong = Vec::new();
+    if found.birge_ratio >= LARGEST_BIRGE_RATIO {
+        wrong.push(format!(
+            "impacts scatter {:.1} times as much as their uncertainties explain: check heights, speeds, masses and their units",
+            found.birge_ratio
+        ));
+    }
+    let all = found.impacts.len();
+    let is_outlier =
+        |impact: &&ImpactResult| matches!(impact.exclusion, Some(Exclusion::Outlier { .. }));
+    let outliers = found.impacts.iter().filter(is_outlier).count();
+    if outliers * MOST_OUTLIERS > all {
+        wrong.push(format!(
+            "{outliers} of {all} impacts lie far from the others: check their heights, speeds, masses and units"
+        ));
+    }
+    if !GRAVITY.contains(&plan.gravity.value) {
+        wrong.push(format!(
+            "free fall of {} m/s^2 is found nowhere on the ground, where it is 9.76 to 9.84 m/s^2",
+            plan.gravity.value
+        ));
+    }
+    let common = common(plan);
+    for (number, impact) in (1..).zip(&plan.impacts) {
+        let speeds = [impact.incoming, impact.rebound].map(|told| {
+            let speed = speed(told);
+            let (gravity, gates) = (common.gravity.value, common.gate_distance);
+            let at = |reading| speed.of(reading, gravity, gates.map_or(f64::NAN, |g| g.value));
+            (at(told.1.value), (at(told.1.value + told.1.u) - at(told.1.value)).abs())
+        });
+        let [(came, came_u), (left, left_u)] = speeds;
+        if left - came > 2.0 * came_u.hypot(left_u) {
+            wrong.push(format!(
+                "impact {number}: the striker leaves at {left:.4} m/s, faster than it came at {came:.4} m/s"
+            ));
+        }
+    }
+    let is_determined = found.expanded <= MAX_EXPANDED_SHARE * found.sensitivity.abs();
+    if !is_determined {
+        let share = 100.0 * found.expanded / found.sensitivity.abs();
+        wrong.push(format!("the sensitivity is known to {share:.0} % only: it is not determined"));
+    }
+    wrong
 }

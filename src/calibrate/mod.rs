@@ -1,38 +1,43 @@
 //! A force sensor's sensitivity from impacts of known momentum.
 //!
-//! Behind the scope, before `measurement`, which reads plans and recordings. A striker of mass `m`
-//! that comes with `v_i` and leaves with `v_r` hands over `M = m (v_i + v_r) + m g (t2 - t1)`, its
-//! weight during the contact included; the sensor's voltage `V`, with its droop undone, integrates
-//! to `S M`: `S = integral (V + (1/tau) integral V) dt / M`. [`impact`] reads one record, [`model`]
-//! is that equation with all its inputs, [`budget`] propagates their uncertainties as the GUM says,
-//! [`monte_carlo`] as its first supplement. Inputs that several impacts share, such as the scope's
-//! gain, tau or a striker's mass, are one input: they do not average out. A plate below a mass
-//! `m_a` in a host that moves as a whole, `m_t` with all that it takes along, feels the share
-//! `1 - m_a/m_t` of `M`: what is above the plate keeps the rest. Source: the balance of linear
-//! momentum; JCGM 100:2008; JCGM 101:2008. Valid where the sensor feels the whole contact force and
-//! nothing else, and the striker is rigid and falls freely but for the contact.
+//! A striker of mass `m` that arrives with `v_i` and leaves with `v_r` hands over `M = m (v_i +
+//! v_r) + m g (t2 - t1)`, its weight during the contact included; the sensor's voltage `V`, with
+//! its droop undone, integrates to `S M`: `S = integral (V + (1/tau) integral V) dt / M`.
+//! [`plan_run`] reads a plan's recordings, [`impact`] evaluates one record, [`equation`] is that
+//! equation with all its inputs and the budget of their uncertainties (GUM), [`monte_carlo`] checks
+//! it by draws (GUM's first supplement), [`result`] and [`report`] are what the certificate
+//! contains. [`design`] and [`blind`] try calibrations on simulated impacts ([`simulation`]). A
+//! plate below a mass `m_a` in a host that moves as a whole, `m_t` with all that it takes along,
+//! receives the share `1 - m_a/m_t` of `M`. Source: the balance of linear momentum; JCGM 100:2008;
+//! JCGM 101:2008. Valid where the sensor measures the whole contact force and nothing else, and the
+//! striker is rigid and falls freely but for the contact.
 
-mod assemble;
-pub mod budget;
-mod data;
-mod exclusion;
+pub mod blind;
+pub mod design;
+pub mod equation;
+pub mod error;
+mod files;
 pub mod impact;
-mod inputs;
-pub mod model;
 pub mod monte_carlo;
-mod prepared;
-mod record;
+pub mod plan_run;
+pub mod record;
+pub mod report;
+pub mod result;
+pub mod simulation;
 mod tail;
 
-pub use data::{Calibration, CalibrationError, ImpactResult, NonLinearity, PlannedStrike};
-pub use exclusion::Exclusion;
+pub use error::CalibrationError;
 pub use monte_carlo::Draws;
+pub use plan_run::{PlanRunError, run};
+pub use record::Exclusion;
+pub use report::CalibrationReport;
+pub use result::{Calibration, ImpactResult, NonLinearity, PlannedStrike};
 
-use self::assemble::assemble;
+use self::equation::{Common, MeasurementEquation};
 use self::impact::Impact;
-use self::model::{Common, MeasurementEquation};
+use self::result::assemble;
 use crate::analysis::baseline::scatter;
-use crate::analysis::rounding::MovingScatter;
+use crate::analysis::quiet_scope::MovingScatter;
 use crate::numeric::statistics::median;
 
 /// An impact this many standard uncertainties away from the others is left out (1).
@@ -43,8 +48,8 @@ const MEDIAN_TO_DEVIATION: f64 = 1.4826;
 /// Calibrates.
 ///
 /// # Errors
-/// [`CalibrationError`] where fewer than two impacts can be used or nothing tells the time
-/// constant.
+/// [`CalibrationError`] where fewer than two impacts can be used or the time constant is
+/// not determined.
 pub fn calibrate(
     strikes: &[PlannedStrike],
     common: &Common,
@@ -62,7 +67,7 @@ pub fn calibrate(
     for (index, result) in read.iter().enumerate() {
         excluded.extend(result.as_ref().err().map(|why| (index, why.clone())));
     }
-    let model = loop {
+    let equation = loop {
         if used.len() < 2 {
             let (used, all) = (used.len(), strikes.len());
             return Err(CalibrationError::TooFew { used, all, reasons: excluded });
@@ -71,16 +76,17 @@ pub fn calibrate(
             let impact = read[*i].as_ref().ok()?;
             Some((*i, impact, &strikes[*i].motion, tails[*i].as_ref()))
         });
-        let model =
-            MeasurementEquation::new(impacts, common).ok_or(CalibrationError::NoTimeConstant)?;
-        match outlier(&model) {
+        let equation = MeasurementEquation::new(impacts, common)?;
+        match outlier(&equation) {
             Some((position, times)) => {
                 excluded.push((used.remove(position), Exclusion::Outlier { times }));
             }
-            None => break model,
+            None => break equation,
         }
     };
-    Ok(assemble((strikes, common), read, &excluded, model, draws))
+    let calibration = assemble((strikes, common), read, &excluded, equation, draws);
+    calibration.check_finite()?;
+    Ok(calibration)
 }
 
 /// How the samples of each record scatter about a smooth curve: records of one range have one
@@ -97,7 +103,7 @@ fn scatters(strikes: &[PlannedStrike]) -> Vec<MovingScatter> {
     each.iter().map(|(level, _)| same(*level)).collect()
 }
 
-/// Without any impact that could be read, that is what has to be told.
+/// The reasons of impacts that could not be read; without any, the missing time constant.
 fn no_tau(strikes: &[PlannedStrike]) -> CalibrationError {
     let guess = |strike: &PlannedStrike| {
         Impact::read(&strike.record, MovingScatter::default(), f64::INFINITY).err()
@@ -113,8 +119,8 @@ fn no_tau(strikes: &[PlannedStrike]) -> CalibrationError {
 
 /// The impact farthest from the others, if it is too far: by its own uncertainty and by the others'
 /// scatter.
-fn outlier(model: &MeasurementEquation) -> Option<(usize, f64)> {
-    let values = model.each();
+fn outlier(equation: &MeasurementEquation) -> Option<(usize, f64)> {
+    let values = equation.each();
     if values.len() < 3 {
         return None;
     }

@@ -8,9 +8,9 @@
 //! these zeros; how it goes with the zero counts with the baseline. Valid where the sensor feels
 //! nothing behind the contact, as one that only the striker presses on.
 
-use super::prepared::PreparedRecord;
-use super::record::RawRecord;
-use crate::analysis::rounding::{AtRest, MovingScatter, PossibleZero, Rounding};
+use super::record::{PreparedRecord, RawRecord};
+use crate::analysis::quiet_scope::{AtRest, MovingScatter, PossibleZero};
+use crate::analysis::rounding::Rounding;
 
 /// The end of the contact is not sharp: the fit begins this share of the contact later (1).
 const TAIL_DELAY_SHARE: f64 = 0.3;
@@ -136,7 +136,7 @@ fn without_rounding(values: &[f64], first: usize, rest: &AtRest) -> Option<Vec<(
 
 /// `tau` from several records; none where they show no leak above the noise (s).
 ///
-/// All records count, however little each tells: without those whose leak comes out low by chance
+/// All records count, however uncertain: without those whose leak comes out low by chance
 /// the mean would be too high.
 pub fn weighted_mean(tails: &[Option<Tail>]) -> Option<f64> {
     let (inverse, u) = mean(tails.iter().flatten())?;

@@ -12,11 +12,11 @@ use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rand_pcg::Pcg64;
 use serde::Serialize;
 
+use super::equation::{Common, SpeedSource, StrikerMotion};
 use super::files::{self, Test};
+use super::plan_run::record;
+use super::result::PlannedStrike;
 use super::simulation::{ImpactTruth, TestError, bench, capture, room, setting, strike};
-use crate::analysis::calibration::PlannedStrike;
-use crate::analysis::calibration::model::{Common, SpeedSource, StrikerMotion};
-use crate::measurement::calibration::record;
 use crate::scene::Scene;
 use crate::scene::plan::lab::{LabStriker, Laboratory, SpeedReading};
 use crate::scope::Setup;
@@ -135,7 +135,7 @@ impl Designer {
                 seconds_per_div: *time_base,
                 peak_force_n: peak,
                 contact_s: highest.duration,
-                expanded: result.as_ref().ok().map(|c| c.expanded() / c.sensitivity),
+                expanded: result.as_ref().ok().map(|c| c.expanded_relative),
                 failed: result.err().map(|error| error.to_string()),
             });
         }

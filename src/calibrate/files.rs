@@ -3,8 +3,8 @@
 use crate::quantity::Uncertain;
 use std::fmt::Write as _;
 
+use super::equation::SpeedSource;
 use super::simulation::BlindCalibration;
-use crate::analysis::calibration::model::SpeedSource;
 use crate::recording::{Origin, Shot, TraceSet};
 use crate::scene::input_load;
 use crate::scope::Setup;

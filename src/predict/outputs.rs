@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::regression::{InputShare, Regression, regression};
 use crate::experiment::outcome::{Reading, Speed};
 use crate::experiment::prediction::Prediction;
-use crate::numeric::statistics::quantile;
+use crate::numeric::statistics::{Moments, quantile};
 use crate::quantity::Uncertain;
 use crate::scene::Scene;
 use crate::scene::random_inputs::RandomInput;
@@ -85,7 +85,7 @@ pub(super) fn intervals(
         };
         values.sort_unstable_by(f64::total_cmp);
         let interval_95 = [quantile(&values, 0.025), quantile(&values, 0.975)];
-        let u = standard_deviation(&values);
+        let u = Moments::of(&values).deviation;
         let Regression { explained, shares: inputs, .. } = found;
         Some(OutputInterval {
             name: name.clone(),
@@ -117,12 +117,6 @@ fn many_values(found: &Regression, samples: &[(&[f64], f64)], many: &[Vec<f64>])
         samples.iter().map(|(scores, value)| value - surface(found.linear(scores))).collect();
     let scores = many.iter().zip(left.iter().cycle());
     scores.map(|(scores, left)| surface(found.linear(scores)) + left).collect()
-}
-
-fn standard_deviation(values: &[f64]) -> f64 {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt()
 }
 
 impl TraceBand {

@@ -1,11 +1,79 @@
 //! A record before its integral: is it sound, where is its zero, where its pulse.
 
-use super::exclusion::Exclusion;
-use super::record::{NOISE_TIMES, RawRecord};
 use crate::analysis::baseline::{Baseline, noise_of};
+use crate::analysis::gate::Gate;
 use crate::analysis::pulse::{Conditions, PulseError};
-use crate::analysis::rounding::{AtRest, MovingScatter};
+use crate::analysis::quiet_scope::{AtRest, MovingScatter};
 use crate::trace::Trace;
+
+/// Safety factor on the noise: thousands of samples, none of which may pass by chance (1).
+pub(super) const NOISE_TIMES: f64 = 4.0;
+
+/// A record as it came from the scope.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RawRecord {
+    /// Voltage over time.
+    pub trace: Trace,
+    /// Distance of the digitiser's levels; 0 for what was never digitised (V).
+    pub level: f64,
+    /// Samples at the converter's ends.
+    pub clipped: usize,
+    /// Where to integrate; by default the contact and a little on either side.
+    pub window: Option<Gate>,
+}
+
+/// Why an impact is left out.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Exclusion {
+    /// The converter was driven to its end.
+    #[error("saturated: {samples} samples at the converter's ends")]
+    Saturated {
+        /// How many.
+        samples: usize,
+    },
+    /// Nothing to take the baseline from.
+    #[error(
+        "no pre-trigger: {samples} samples before the contact are too few for a baseline, expected 20 % of the record"
+    )]
+    NoPreTrigger {
+        /// How many there are.
+        samples: usize,
+    },
+    /// The window or the record does not hold the whole pulse.
+    #[error("the {what} cuts the pulse at {:.1} us", 1e6 * time)]
+    Cut {
+        /// `window` or `record`.
+        what: &'static str,
+        /// Where the cut is (s).
+        time: f64,
+    },
+    /// Another pulse in the same record.
+    #[error("two impacts in one record: a second pulse at {:.1} us", 1e6 * time)]
+    TwoImpacts {
+        /// Where the other one is (s).
+        time: f64,
+    },
+    /// The sensor is not at rest before the contact.
+    #[error(
+        "not at rest before the contact: it varies by {times:.1} times its noise; begin the record earlier, or remove drift and hum"
+    )]
+    NotAtRest {
+        /// Root mean square over the noise of neighbouring samples (1).
+        times: f64,
+    },
+    /// Nothing above the noise.
+    #[error("no pulse above the noise")]
+    NoPulse,
+    /// Values that are no numbers, or a time axis that does not go on.
+    #[error("values or an interval that are no numbers")]
+    NotFinite,
+    /// It contradicts the others.
+    #[error("outlier: {times:.1} standard uncertainties away from the other impacts")]
+    Outlier {
+        /// How many standard uncertainties (1).
+        times: f64,
+    },
+}
 
 /// The contact begins and ends where the force passes this share of its peak, or the noise if that
 /// is more (1).
@@ -60,6 +128,9 @@ impl PreparedRecord {
             }
             Ok((Baseline { samples, .. }, _)) | Err(PulseError::NoBaseline { samples, .. }) => {
                 return Err(Exclusion::NoPreTrigger { samples });
+            }
+            Err(PulseError::NotAtRest { rms, noise, .. }) => {
+                return Err(Exclusion::NotAtRest { times: rms / noise });
             }
             Err(_) => return Err(Exclusion::NoPulse),
         };

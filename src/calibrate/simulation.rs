@@ -9,10 +9,10 @@
 use rand_distr::{Distribution, StandardUniform};
 use rand_pcg::Pcg64;
 
-use crate::analysis::calibration::model::Common;
-use crate::analysis::calibration::{
-    Calibration, CalibrationError, Draws, PlannedStrike, calibrate,
-};
+use super::equation::Common;
+use super::error::CalibrationError;
+use super::result::{Calibration, PlannedStrike};
+use super::{Draws, calibrate};
 use crate::experiment::{Integration, RunError, run};
 use crate::recording::{Capture, InstrumentIdentity, TrueSignal};
 use crate::scene::plan::lab::LabStriker;
@@ -230,7 +230,7 @@ pub struct BlindCalibration {
 }
 
 impl BlindCalibration {
-    /// Calibrates with what it is told, without the Monte-Carlo part.
+    /// Calibrates with the stated values, without Monte Carlo.
     ///
     /// # Errors
     /// As [`calibrate`].
