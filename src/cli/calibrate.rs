@@ -10,9 +10,12 @@ use super::AnswerIsNo;
 use super::acquire::one_shot;
 use super::input::TableArguments;
 use super::progress::JobProgress;
+use crate::calibrate::blind::{CalibrationCoverage, coverage};
+use crate::calibrate::design::{Designer, TestDesign};
+use crate::calibrate::report::sensor_file;
+use crate::calibrate::{self, CalibrationReport};
 use crate::client::Address;
 use crate::files::{self, NewFolder};
-use crate::measurement::calibration::{self, Calibrated, sensor_file};
 use crate::recording::mcap;
 use crate::report::calibration::page;
 use crate::report::calibration_design::design_page;
@@ -20,8 +23,6 @@ use crate::report::certificate::{certificate, pictures};
 use crate::report::plot::{Theme, svg};
 use crate::report::{check_finite, to_json};
 use crate::scene::plan::{self, CalibrationPlan, lab};
-use crate::studies::momentum_test::coverage::{Coverage, coverage};
-use crate::studies::momentum_test::design::{Designer, TestDesign};
 
 /// Calibrate a sensor from the momentum of impacts: sensitivity, time constant, uncertainty budget,
 /// certificate
@@ -77,15 +78,15 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let Some(plan) = &arguments.plan else { return simulate(arguments) };
     let mut plan = plan::load(plan)?;
     acquire_impacts(&mut plan)?;
-    let found = calibration::run(&plan, &arguments.table.columns())?;
-    check_finite(&found.report)?;
-    let refused = !found.report.contradictions.is_empty() && !arguments.force;
+    let found = calibrate::run(&plan, &arguments.table.columns())?;
+    check_finite(&found)?;
+    let refused = !found.contradictions.is_empty() && !arguments.force;
     if let Some(folder) = arguments.output.as_ref().filter(|_| !refused) {
         write(folder, &found)?;
     }
-    super::show(&found.report, arguments.json, page)?;
+    super::show(&found, arguments.json, page)?;
     if refused {
-        let wrong = found.report.contradictions.join("; ");
+        let wrong = found.contradictions.join("; ");
         super::say(&format!(
             "refused, nothing is certified (--force certifies it all the same): {wrong}"
         ));
@@ -127,7 +128,7 @@ struct Design<'a> {
     lab: Option<&'a Path>,
     best: &'a TestDesign,
     candidates: &'a [TestDesign],
-    blind: Option<&'a Coverage>,
+    blind: Option<&'a CalibrationCoverage>,
 }
 
 fn simulate(arguments: &Arguments) -> anyhow::Result<()> {
@@ -183,12 +184,11 @@ fn write_test(folder: &Path, designer: &Designer, best: &TestDesign) -> anyhow::
     Ok(folder.join("plan.toml"))
 }
 
-fn write(folder: &Path, found: &Calibrated) -> anyhow::Result<()> {
-    let report = &found.report;
-    let pictures = pictures(&found.calibration, report);
+fn write(folder: &Path, report: &CalibrationReport) -> anyhow::Result<()> {
+    let pictures = pictures(report);
     let (markdown, html) = certificate(report, &pictures);
     // A name is a name, no path.
-    let sensor = report.sensor.replace(['/', '\\'], "-");
+    let sensor = report.named.sensor.replace(['/', '\\'], "-");
     let files = [
         ("certificate.md".to_owned(), markdown),
         ("certificate.html".to_owned(), html),

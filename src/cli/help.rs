@@ -16,7 +16,7 @@ pub struct Arguments {
 
 /// Prints the help on a topic.
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let mut command = super::command_line();
+    let mut command = super::output::command_line();
     command.build();
     let page = match arguments.topic.as_deref() {
         None => command.render_long_help().to_string(),

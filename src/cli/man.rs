@@ -18,7 +18,7 @@ pub struct Arguments {
 
 /// Prints or writes the pages.
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let command = super::command_line();
+    let command = super::output::command_line();
     if let Some(folder) = &arguments.output {
         let write = || {
             let new = NewFolder::replace(folder)?;

@@ -4,6 +4,7 @@
 
 mod accuracy;
 mod input;
+pub mod installation;
 mod output;
 mod overwrite;
 mod picture;
@@ -18,7 +19,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
-use crate::chain::simd::InstructionSet;
+use crate::motion::kernel::InstructionSet;
 use output::{
     AnswerIsNo, is_broken_pipe, is_coloured, print, print_as_it_is, print_toml, say, show,
 };
@@ -180,6 +181,7 @@ fn command_line() -> clap::Command {
 
 /// Runs the program on the process's own arguments.
 pub fn main() -> ExitCode {
+    let _ = output::COMMAND_LINE.set(command_line);
     completions::answer(command_line);
     let parsed = command_line().try_get_matches();
     let command = match parsed.and_then(|matches| Arguments::from_arg_matches(&matches)) {

@@ -1,6 +1,7 @@
 //! Standard output, and the answer "no" as an exit code.
 
 use std::io::{ErrorKind, IsTerminal as _, Write as _};
+use std::sync::OnceLock;
 
 use serde::Serialize;
 
@@ -16,6 +17,15 @@ pub(super) struct AnswerIsNo;
 pub(super) fn is_broken_pipe(error: &anyhow::Error) -> bool {
     let kind = error.downcast_ref::<std::io::Error>().map(std::io::Error::kind);
     kind == Some(ErrorKind::BrokenPipe)
+}
+
+/// Makes the program's command line; set by `main`, so that the pages that describe all commands do
+/// not depend on the table of commands.
+pub(super) static COMMAND_LINE: OnceLock<fn() -> clap::Command> = OnceLock::new();
+
+/// The program's command line.
+pub(super) fn command_line() -> clap::Command {
+    COMMAND_LINE.get().map_or_else(|| clap::Command::new("hertzscope"), |make| make())
 }
 
 /// Columns of a terminal that does not say how many it has.

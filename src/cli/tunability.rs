@@ -6,25 +6,26 @@ use std::sync::Mutex;
 
 use anyhow::anyhow;
 use clap::Args;
-use clap::builder::PossibleValuesParser;
 
 use super::picture::PlotArguments;
 use super::progress::JobProgress;
 use super::value::quantity;
 use crate::quantity::Dimension;
 use crate::report::{self, TunabilityPage};
-use crate::scene::Scene;
-use crate::studies::tunability::{TuningParameter, tune};
+use crate::scene::adjust::Adjustable;
+use crate::studies::tunability::{TunedNumber, tune};
 
-/// Map pass bands and pulse speed over a chain's preload, masses, modulus and striker
+/// Map pass bands and pulse speed over a chain's preload, masses, moduli and striker, or any number
+/// of the scene
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// An included scene, or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
-    /// Parameter to tune [default: all that the scene has]
-    #[arg(long, value_name = "KNOB", value_delimiter = ',', value_parser = PossibleValuesParser::new(TuningParameter::ALL.map(TuningParameter::name)))]
-    knob: Vec<String>,
+    /// Number of the scene to vary, by its path as in a sweep, e.g. particles.ptfe_sphere.mass; `*`
+    /// varies all that it names by one ratio [default: preload, masses, moduli, striker]
+    #[arg(long, value_name = "PATH", value_delimiter = ',')]
+    vary: Vec<String>,
     /// Number of values of each parameter
     #[arg(long, value_name = "N", default_value_t = 33, value_parser = clap::value_parser!(u32).range(2..=1000))]
     points: u32,
@@ -43,17 +44,16 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     arguments.plot.check()?;
-    let scene = Scene::load(&arguments.scene)?;
-    let named = |knob: &TuningParameter| {
-        arguments.knob.is_empty() || arguments.knob.iter().any(|name| name == knob.name())
-    };
-    let knobs: Vec<TuningParameter> = if arguments.knob.is_empty() {
-        TuningParameter::of(&scene)
+    let mut adjustable = Adjustable::load(&arguments.scene)?;
+    let scene = adjustable.scene()?;
+    let numbers = if arguments.vary.is_empty() {
+        TunedNumber::defaults(&mut adjustable)?
     } else {
-        TuningParameter::ALL.into_iter().filter(named).collect()
+        let at = |path: &String| TunedNumber::at(&mut adjustable, path);
+        arguments.vary.iter().map(at).collect::<Result<_, _>>()?
     };
     let progress = Mutex::new(JobProgress::new(&scene.name, arguments.quiet));
-    let found = tune(&scene, &knobs, arguments.points, arguments.span, &|share| {
+    let found = tune(&adjustable, numbers, arguments.points, arguments.span, &|share| {
         if let Ok(mut progress) = progress.lock() {
             progress.at(share);
         }

@@ -7,7 +7,7 @@ use super::plot::{Plot, Series, Sheet, trace_points};
 use super::table;
 use crate::measurement::compare::mapping::ASSUMED;
 use crate::measurement::compare::{ChannelScore, Compared, Comparison};
-use crate::quantity::coverage::NORMAL_95;
+use crate::numeric::intervals::NORMAL_95;
 use crate::quantity::{Uncertain, engineering};
 
 fn signed(value: f64, unit: &str, digits: usize) -> String {

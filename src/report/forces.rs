@@ -6,7 +6,7 @@ use super::plot::{Plot, Series, Sheet, terminal, trace_points};
 use super::table;
 use crate::measurement::arrivals::sensitivities_unknown;
 use crate::measurement::force::Forces;
-use crate::quantity::coverage::NORMAL_95;
+use crate::numeric::intervals::NORMAL_95;
 use crate::quantity::engineering;
 
 /// Page of `force`.

@@ -1,5 +1,5 @@
-//! Maps of what a chain lets pass over a knob: shades and numbers for a terminal, sheets for a
-//! picture.
+//! Maps of what a chain lets pass over one of a scene's numbers: shades and numbers for a terminal,
+//! sheets for a picture.
 
 use serde::{Serialize, Serializer};
 
@@ -53,12 +53,12 @@ pub struct TunabilityPage {
     /// Title of the page.
     #[serde(skip)]
     pub title: String,
-    /// Each parameter over its range.
-    #[serde(rename = "knobs", serialize_with = "knobs")]
+    /// Each number over its range.
+    #[serde(rename = "numbers", serialize_with = "numbers_json")]
     pub tunings: Vec<Tuning>,
 }
 
-fn knobs<S: Serializer>(tunings: &[Tuning], serializer: S) -> Result<S::Ok, S::Error> {
+fn numbers_json<S: Serializer>(tunings: &[Tuning], serializer: S) -> Result<S::Ok, S::Error> {
     #[derive(Serialize)]
     struct Point {
         value: f64,
@@ -70,25 +70,28 @@ fn knobs<S: Serializer>(tunings: &[Tuning], serializer: S) -> Result<S::Ok, S::E
         transmitted_db_per_500_hz: Vec<f64>,
     }
     #[derive(Serialize)]
-    struct Knob {
-        knob: &'static str,
-        unit: &'static str,
+    struct Number<'a> {
+        path: &'a str,
+        unit: &'a str,
         now: f64,
         points: Vec<Point>,
     }
-    let point = |point: &TunedPoint| Point {
-        value: point.value,
+    let point = |point: &TunedPoint, scale: f64| Point {
+        value: point.value / scale,
         chain: point.chain,
         long_wave_speed_m_per_s: point.chain.map(|chain| chain.sound_speed()),
         pulse_speed_m_per_s: point.pulse_speed,
         first_peak_ratio: point.transmission,
         transmitted_db_per_500_hz: transmitted(point, BANDS),
     };
-    serializer.collect_seq(tunings.iter().map(|tuning| Knob {
-        knob: tuning.knob.name(),
-        unit: tuning.knob.unit(),
-        now: tuning.now,
-        points: tuning.points.iter().map(point).collect(),
+    serializer.collect_seq(tunings.iter().map(|tuning| {
+        let number = &tuning.number;
+        Number {
+            path: &number.path,
+            unit: &number.unit,
+            now: number.now() / number.scale,
+            points: tuning.points.iter().map(|at| point(at, number.scale)).collect(),
+        }
     }))
 }
 
@@ -110,16 +113,13 @@ pub fn tunability(title: &str, tunings: &[Tuning]) -> String {
 }
 
 fn heading(tuning: &Tuning) -> String {
-    let knob = tuning.knob;
-    format!("{} (the scene has {})", knob.name(), value(tuning, tuning.now))
+    let number = &tuning.number;
+    format!("{} (the scene has {})", number.path, value(tuning, number.now()))
 }
 
-/// A knob's value with its unit; masses in grams.
+/// A value of the number with its unit.
 fn value(tuning: &Tuning, value: f64) -> String {
-    match tuning.knob.unit() {
-        "kg" => engineering(1e3 * value, "g", 3),
-        unit => engineering(value, unit, 3),
-    }
+    engineering(value / tuning.number.scale, &tuning.number.unit, 3)
 }
 
 fn numbers(tuning: &Tuning) -> Vec<String> {
@@ -145,23 +145,21 @@ fn numbers(tuning: &Tuning) -> Vec<String> {
     table::lines(&rows, &[])
 }
 
-/// The maps as a picture: for each parameter the spectrum with the band edges, beside it the
-/// speeds.
+/// The maps as a picture: for each number the spectrum with the band edges, beside it the speeds.
 pub fn tunability_picture(title: &str, tunings: &[Tuning]) -> Sheet {
     let panels = tunings.iter().flat_map(|tuning| [map_panel(tuning), speed_panel(tuning)]);
     Sheet { columns: 2, size: (430.0, 210.0), ..Sheet::stack(title, panels.collect()) }
 }
 
-/// The axis of a knob, and what its values are multiplied with for it.
+/// The axis of a number, and the factor from SI units to its unit.
 fn axis(tuning: &Tuning) -> (Axis, f64) {
-    let (unit, factor) = match tuning.knob.unit() {
-        "kg" => ("g", 1e3),
+    let (unit, factor) = match tuning.number.unit.as_str() {
         "Pa" => ("GPa", 1e-9),
-        unit => (unit, 1.0),
+        unit => (unit, 1.0 / tuning.number.scale),
     };
     let ends = [tuning.points.first(), tuning.points.last()];
     let [from, to] = ends.map(|point| point.map_or(1.0, |point| factor * point.value));
-    let label = format!("{} ({unit})", tuning.knob.name().replace('-', " "));
+    let label = format!("{} ({unit})", tuning.number.path);
     (Axis::logarithmic(&label, from, to), factor)
 }
 

@@ -5,11 +5,11 @@ use super::plot::{Axis, COLOURS, Plot, Series, Sheet, Stroke, trace_points};
 use super::table;
 use super::table::with_expanded;
 use super::text::hanging_indent;
-use crate::quantity::{Dimension, Uncertain, engineering};
-use crate::recording::{Capture, Shot};
-use crate::studies::uncertainty::{
+use crate::predict::{
     InputMove, InputShare, NormalisedError, OutputInterval, TraceBand, UncertainPrediction,
 };
+use crate::quantity::{Dimension, Uncertain, engineering};
+use crate::recording::{Capture, Shot};
 use crate::trace::Trace;
 
 /// Inputs with a smaller share than this are counted together (1).
