@@ -217,7 +217,8 @@ fn end_forces_are_felt_at_the_ends() {
 fn stability_depends_on_the_speed_of_approach_alone() {
     let spec = pressed(vec![ptfe_sphere(), ptfe_sphere()], 0.0, false);
     let chain = Chain::new(&spec).expect("a chain");
-    let limit = |velocities: [f64; 2]| chain.stability_limit(&velocities, 2.0).expect("a limit").step;
+    let limit =
+        |velocities: [f64; 2]| chain.stability_limit(&velocities, 2.0).expect("a limit").step;
     let (both, one) = (limit([1.0, -1.0]), limit([2.0, 0.0]));
     assert!((both / one - 1.0).abs() < 1e-12, "{both:e} and {one:e}");
 }
