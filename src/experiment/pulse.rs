@@ -361,6 +361,7 @@ pub struct ForceHistory {
 /// A maximum, between two samples of a step's force or at a known time.
 #[derive(Debug, Clone, Copy)]
 pub struct Bracket {
+    /// The step.
     pub segment: Segment,
     /// Where it begins and ends, in fractions of the step (1).
     pub between: [f64; 2],
@@ -376,6 +377,7 @@ pub struct Bracket {
 /// A step in which a force exceeded all before.
 #[derive(Debug, Clone, Copy)]
 pub struct Rise {
+    /// The step.
     pub segment: Segment,
     /// The largest force (N).
     pub reached: f64,

@@ -179,14 +179,14 @@ fn a_tolerance_of_ones_own() {
     }
     let loose = ["run", "--method", "dormand-prince-54", "--tolerance", "5e-2"];
     let text = printed(folder.path(), &loose);
-    says(&text, &["step tolerance 5e-2 by hand", "the tolerance is too loose", "a tolerance of"]);
+    says(&text, &["step tolerance 5e-2 by hand", "the tolerance is too large", "--accuracy"]);
     let stiff = ["run", "--method", "rodas", "--tolerance", "1e-6"];
     says(&refused(folder.path(), &stiff), &["rodas", "without losses", "expected"]);
 }
 
-/// `auto` is what the scope calls for, whatever the scene says.
+/// The option counts, whatever the scene says.
 #[test]
-fn an_accuracy_by_the_scope() {
+fn an_accuracy_of_ones_own() {
     let folder = temporary();
     std::fs::write(
         folder.path().join("own.toml"),
@@ -440,7 +440,7 @@ fn by_hand_no_error_is_told_that_is_none() {
         // Verlet's own error; the speed that is drawn may be 5 % off.
         assert!(worst.iter().all(|worst| *worst < 3e-3), "{scene}: {worst:?}");
         let notes = summary["notes"].to_string();
-        assert!(!notes.contains("too long"), "{scene}: {notes}");
+        assert!(!notes.contains("too large"), "{scene}: {notes}");
         if scene == "linear-300-cells" {
             assert!(summary["horizon_s"].is_null() && !notes.contains("statistics"), "{notes}");
         }
