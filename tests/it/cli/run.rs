@@ -425,7 +425,7 @@ fn a_step_that_reads_wrong_is_told() {
     }
 }
 
-/// What nothing amplifies is known to its end; a striker's own speed is no error of the method.
+/// A striker's own speed is no error of the method.
 #[test]
 fn by_hand_no_error_is_told_that_is_none() {
     let folder = temporary();
@@ -442,7 +442,10 @@ fn by_hand_no_error_is_told_that_is_none() {
         let notes = summary["notes"].to_string();
         assert!(!notes.contains("too large"), "{scene}: {notes}");
         if scene == "linear-300-cells" {
-            assert!(summary["horizon_s"].is_null() && !notes.contains("statistics"), "{notes}");
+            // Verlet's phase errors add up in late traces, which the horizon states.
+            let trace = summary["error_estimate"]["trace"].as_f64().expect("a number");
+            let limit = worst[0].max(worst[1]).sqrt();
+            assert_eq!(summary["horizon_s"].is_null(), trace <= limit, "{trace:e}, {limit:e}");
         }
     }
     // To an accuracy it holds for the shot's own speed as well.
