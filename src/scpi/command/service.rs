@@ -5,13 +5,12 @@ use crate::instrument::{Event, SETUP_MEMORIES};
 use crate::scope::Source;
 use crate::scope::panel::{HardCopyFormat, Port};
 use crate::scope::word::{Word as _, words};
-use crate::scpi::argument::{flag, none, only, real, text, word};
 use crate::scpi::message::Argument;
 use crate::scpi::table::Setting::{Both, Command, Query};
 use crate::scpi::table::{
     Context, Deferred, Group, Parts, Setting, Slot, Stored, acts, alias, refused, stub,
 };
-use crate::scpi::value::ReplyValue;
+use crate::scpi::value::{ReplyValue, flag, none, only, real, text, word};
 use crate::screen::{PictureFormat, Screen, draw, file};
 
 words! {

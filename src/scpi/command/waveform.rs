@@ -13,12 +13,11 @@ use crate::scope::set_up::waveform_id;
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 use crate::scope::word::{Word as _, words};
 use crate::scope::{AcquireMode, Coupling, PointFormat, Preamble, Source, VerticalSetup, Waveform};
-use crate::scpi::argument::{only, real, text, whole, word};
 use crate::scpi::message::Argument;
 use crate::scpi::table::Setting::{Both, GroupAndCommand, Query};
 use crate::scpi::table::{Context, Deferred, Group, Parts, Setting, Slot, acts, alias, stub};
 use crate::scpi::value;
-use crate::scpi::value::{ReplyValue, setting};
+use crate::scpi::value::{ReplyValue, only, real, setting, text, whole, word};
 
 words! {
     /// Argument of `DATa`.
