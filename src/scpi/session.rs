@@ -114,8 +114,8 @@ impl Session {
         self.reply(out)
     }
 
-    /// Device trigger (IEEE 488.2, group execute trigger): executes what `*TRG` stands for, beside a
-    /// message that may have begun.
+    /// Device trigger (IEEE 488.2, group execute trigger): executes what `*TRG` stands for, beside
+    /// a message that may have begun.
     pub fn trigger(&mut self, instrument: &mut Instrument) -> Reply {
         let mut out = Vec::new();
         self.take(instrument, InputPiece::Message(b"*TRG".to_vec()), &mut out);

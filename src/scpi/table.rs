@@ -136,7 +136,7 @@ pub enum Stored {
     Switch,
     /// A whole number in a range, and the one after power on.
     Whole((u32, u32), u32),
-    /// The nearest of these numbers, and the one after power on.
+    /// The nearest of these numbers (1), and the one after power on (1).
     OneOf(&'static [f64], u32),
 }
 

@@ -9,16 +9,21 @@
 mod bench_state;
 mod bench_thread;
 mod connection;
+mod error;
 mod instrument_task;
 mod log;
+mod options;
 mod port_mapper;
 mod recorder;
 mod sessions;
 mod writer;
 
+pub use error::ServeError;
+pub use options::ServerOptions;
+
 use std::collections::BTreeMap;
 use std::future::{Future, poll_fn};
-use std::io::{self, Write};
+use std::io;
 use std::net::{IpAddr, TcpListener, UdpSocket};
 use std::task::Poll;
 use std::time::Duration;
@@ -26,9 +31,7 @@ use std::time::Duration;
 use tokio::sync::{mpsc, oneshot};
 use tokio::task::JoinSet;
 
-use crate::experiment::RunError;
-use crate::instrument::{BenchAccess, Fault};
-use crate::recording::mcap::{RecordingWriter, WriteError};
+use crate::recording::mcap::RecordingWriter;
 use crate::scene::Scene;
 use connection::{ACCEPT_RETRY_DELAY, Connection, Protocol};
 use instrument_task::InstrumentTask;
@@ -44,27 +47,6 @@ const PIECES: usize = 64;
 /// Time limit for writing the answers that are pending at shutdown.
 const SHUTDOWN_GRACE: Duration = Duration::from_secs(1);
 
-/// How the server behaves.
-#[derive(Default)]
-pub struct ServerOptions {
-    /// Whether headers stand before answers on a fresh connection (`HEADer`).
-    pub header: bool,
-    /// From one strike to the next; none leaves the chain at rest until a client strikes it.
-    pub impact_every: Option<Duration>,
-    /// Takes what the user should know while the server goes on.
-    pub warn: Option<fn(&str)>,
-    /// Strikes requested at the bench, one a message.
-    pub strikes: Option<mpsc::Receiver<()>>,
-    /// Faults that act from the start.
-    pub faults: Vec<Fault>,
-    /// What clients may change of the bench.
-    pub access: BenchAccess,
-    /// Size at which log and recording end, each by itself (bytes).
-    pub size_limit: Option<u64>,
-    /// Takes a line for each connection, command, reply, error and impact.
-    pub log: Option<Box<dyn Write + Send>>,
-}
-
 /// Where the server listens.
 #[derive(Debug)]
 pub struct Sockets {
@@ -76,42 +58,6 @@ pub struct Sockets {
     pub vxi11: Option<TcpListener>,
     /// For its port mapper, if there is one.
     pub port_mapper: Option<(TcpListener, UdpSocket)>,
-}
-
-/// Why a server ended by itself.
-#[derive(Debug, thiserror::Error)]
-pub enum ServeError {
-    /// The runtime, a thread or the listener could not be set up.
-    #[error("the server could not start: {reason}")]
-    Start {
-        /// The system's error.
-        reason: io::Error,
-    },
-    /// The chain could not be followed.
-    #[error("impact {shot}: {reason}")]
-    Impact {
-        /// Number of the shot.
-        shot: u32,
-        /// The cause.
-        reason: RunError,
-    },
-    /// The bench's thread ended.
-    #[error("the simulation has ended unexpectedly")]
-    BenchLost,
-    /// The recording could not be written.
-    #[error("the recording could not be written: {}", causes(reason))]
-    Record {
-        /// The cause.
-        reason: WriteError,
-    },
-    /// The disk stalled, and the recording has no end.
-    #[error(
-        "the recording is not finished: the disk took nothing for {seconds} s; what it has can be read"
-    )]
-    RecordStalled {
-        /// How long it was waited for (s).
-        seconds: u64,
-    },
 }
 
 /// Answers all connections until `shutdown` resolves, and writes all of it to `recording`, which is
@@ -239,15 +185,4 @@ async fn has_room(
     let (gave_way, answer) = oneshot::channel();
     pieces.send(connection::ConnectionEvent::Crowded { peer, gave_way }).await.is_ok()
         && answer.await == Ok(true)
-}
-
-/// An error with all that lies behind it.
-fn causes(error: &dyn std::error::Error) -> String {
-    let mut text = error.to_string();
-    let mut next = error.source();
-    while let Some(cause) = next {
-        text = format!("{text}: {cause}");
-        next = cause.source();
-    }
-    text
 }

@@ -128,8 +128,8 @@ const SETUP: [&str; 54] = [
     "MATH:FFT",
 ];
 
-/// `*CAL`, `*TST`, `CALibrate`, `DIAg`, `ERRLOG`. The virtual instrument needs neither calibration nor
-/// diagnosis; everything has passed.
+/// `*CAL`, `*TST`, `CALibrate`, `DIAg`, `ERRLOG`. The virtual instrument needs neither calibration
+/// nor diagnosis; everything has passed.
 #[rustfmt::skip]
 pub const CALIBRATION: Group = Group {
     title: "Calibration and diagnostic",

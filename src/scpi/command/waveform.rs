@@ -1,8 +1,8 @@
 //! Waveforms: how they travel (`DATa`), their preambles (`WFMPre`), their points (`CURVe`).
 //!
 //! Queries of the preamble are about the waveform that `DATa:SOUrce` names, commands about the one
-//! that `CURVe` will bring. With two bytes a point the level of the converter is the high byte, so a
-//! step is 1/256 of a level; positive numbers begin at the lowest level. Text is always signed.
+//! that `CURVe` will bring. With two bytes a point the level of the converter is the high byte, so
+//! a step is 1/256 of a level; positive numbers begin at the lowest level. Text is always signed.
 //! Sources: user manuals of the TDS1012 (p. 182, 187) and TDS2022 (p. 190), real replies.
 
 use crate::instrument::Event;
