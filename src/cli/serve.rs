@@ -14,7 +14,6 @@ use clap::{Args, ValueEnum};
 use serde_json::json;
 use tokio::sync::mpsc;
 
-use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, facts};
 use crate::instrument::{BenchAccess, Fault, fault};
 use crate::quantity::{Dimension, parse};
@@ -265,7 +264,7 @@ fn create_recording(file: &Path, scene: &Scene) -> anyhow::Result<RecordingWrite
     if file.extension().is_none_or(|extension| extension != "mcap") {
         bail!("found {}, expected a name that ends in .mcap", file.display());
     }
-    let integration = Integration::Accuracy(of_scene(scene)?.value);
+    let integration = Integration::Accuracy(scene.accuracy);
     let mut known = facts::facts(scene, integration)?;
     if let Some(recording) = known.get_mut("hertzscope:recording") {
         let times = "of messages: nanoseconds since 1970; of records: seconds after the trigger; of the truth: seconds after the striker's first contact";

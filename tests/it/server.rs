@@ -137,7 +137,7 @@ impl Client {
 
 pub fn scene() -> Scene {
     let mut scene = Scene::load("magnet-0.61g").expect("the default scene");
-    scene.accuracy = Some(1e-3);
+    scene.accuracy = 1e-3;
     scene
 }
 

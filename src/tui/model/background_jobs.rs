@@ -4,11 +4,11 @@
 use super::ScreenState;
 use super::state::{JobState, Overlay, Page, Request, StrikeRequest, ordinate_unit};
 use crate::measurement::compare::Compared;
+use crate::predict::TraceBand;
 use crate::scope::Waveform;
 use crate::studies::cost::CostStudy;
 use crate::studies::effects::Ledger;
 use crate::studies::hard_cases::CaseResult;
-use crate::studies::uncertainty::TraceBand;
 use crate::trace::Trace;
 
 /// The answer to a question, or how far it is.
