@@ -2,14 +2,16 @@
 
 use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::bail;
 use clap::Args;
 
+use super::acquire::StopSignal;
 use super::input::{ReadingArguments, note_option};
 use super::overwrite::ending;
-use crate::client::Address;
+use crate::client::{Address, ClientTiming};
 use crate::recording::TraceSet;
 use crate::recording::format::Format;
 use crate::recording::mcap::indexed_recording::IndexedRecording;
@@ -160,7 +162,9 @@ fn watch(arguments: &Arguments, address: &Address) -> anyhow::Result<()> {
         ending(file, &["mcap"])?;
     }
     terminal()?;
-    let mut scope = ServedConnection::connect(address).map_err(anyhow::Error::msg)?;
+    let stop = StopSignal::new()?;
+    let mut scope =
+        ServedConnection::connect(address, ClientTiming::default(), Arc::clone(&stop.0))?;
     let file = arguments.record.as_deref().map(|file| scope.record(file)).transpose()?;
     let subject = ViewSource::Served(Box::new(scope));
     let (title, behind) = behind(arguments, address.to_string())?;

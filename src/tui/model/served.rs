@@ -25,6 +25,9 @@ pub struct ServedUpdate {
     pub set: Option<TraceSet>,
 }
 
+/// State of a served scope while its line is down.
+const LOST: &str = "LOST";
+
 impl ScreenState {
     /// Shows a scope that is served somewhere else; what it tells comes as [`ServedUpdate`].
     pub fn open_served(&mut self) {
@@ -59,9 +62,15 @@ impl ScreenState {
     /// The connection to the served scope is gone; what is on screen stays.
     pub fn connection_lost(&mut self, why: String) {
         if let Some(served) = self.live.as_mut().and_then(|live| live.served.as_mut()) {
-            *served = ServedScope { state: "LOST".to_owned(), ..ServedScope::default() };
+            *served = ServedScope { state: LOST.to_owned(), ..ServedScope::default() };
         }
         self.notice = Some(why);
+    }
+
+    /// Whether the line to the served scope is down.
+    fn is_lost(&self) -> bool {
+        let served = self.live.as_ref().and_then(|live| live.served.as_ref());
+        served.is_some_and(|served| served.state == LOST)
     }
 
     /// Whether the bench is another process's.
@@ -110,6 +119,8 @@ impl ScreenState {
         if self.live.as_ref().is_some_and(bench) {
             self.send(":BENC:IMP");
             self.notice = Some("sent BENCh:IMPact: the chain is struck".to_owned());
+        } else if self.is_lost() {
+            self.notice = Some("the scope is not connected: trying again".to_owned());
         } else {
             self.notice =
                 Some("no bench behind this scope that could be struck from here".to_owned());

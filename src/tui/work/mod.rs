@@ -12,6 +12,8 @@ mod simulation_worker;
 pub use news::{ScreenEvent, guarded, with_reasons};
 
 use std::io::IsTerminal as _;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
@@ -54,7 +56,7 @@ pub type NoteOption = fn(&mut TraceSet, BenchOption, &str) -> Result<(), String>
 pub struct Workers {
     news: Sender<ScreenEvent>,
     recording_worker: Option<Sender<usize>>,
-    served: Option<(Sender<String>, JoinHandle<()>)>,
+    served: Option<(Sender<String>, Arc<AtomicBool>, JoinHandle<()>)>,
     bench: Sender<StrikeRequest>,
     comparison: Sender<ComparisonRequest>,
     research: Sender<StudyRequest>,
@@ -139,7 +141,7 @@ impl Workers {
                 Request::Strike(strike) => self.bench.send(strike).is_ok(),
                 Request::LiveBands(bench) => self.bands.send(bench).is_ok(),
                 Request::Send(command) => {
-                    self.served.as_ref().is_none_or(|(scope, _)| scope.send(command).is_ok())
+                    self.served.as_ref().is_none_or(|(scope, ..)| scope.send(command).is_ok())
                 }
                 Request::Compare(other) => ComparisonRequest::of(model, other)
                     .is_none_or(|c| self.comparison.send(c).is_ok()),
@@ -181,8 +183,9 @@ impl Workers {
 impl Drop for Workers {
     /// Waits until the scope's replies are as they were before, and its recording is finished.
     fn drop(&mut self) {
-        if let Some((orders, thread)) = self.served.take() {
+        if let Some((orders, stop, thread)) = self.served.take() {
             drop(orders);
+            stop.store(true, Ordering::Relaxed);
             // A panic of the thread has been told.
             let _ = thread.join();
         }
