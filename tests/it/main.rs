@@ -32,6 +32,7 @@ mod golden;
 mod hard_cases;
 mod hislip;
 mod isf;
+mod laboratory;
 mod losses;
 mod magnet;
 mod numbers;

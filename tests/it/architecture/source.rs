@@ -5,7 +5,6 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::path::Path;
 use syn::punctuated::Punctuated;
-use syn::spanned::Spanned;
 use syn::{Attribute, ImplItem, Item, Meta, Token, TraitItem};
 
 /// Something that a rule does not allow, with its place.
@@ -141,12 +140,6 @@ pub fn is_test_file(file: &SourceFile, test_modules: &BTreeSet<Vec<String>>) -> 
     only_in_tests(&file.syntax.attrs)
         || (1..=file.module_path.len())
             .any(|length| test_modules.contains(&file.module_path[..length]))
-}
-
-/// First and last line of a piece of syntax, its attributes and doc comments included.
-pub fn lines_of(syntax: &impl Spanned) -> (usize, usize) {
-    let span = syntax.span();
-    (span.start().line, span.end().line)
 }
 
 /// The attributes of an item.
