@@ -1,8 +1,8 @@
 //! Messages, replies and records over a line.
 //!
 //! A reply has two time limits: one for its next byte, and one for all of it, which grows with the
-//! bytes received at the pace of the slowest line. So a side that sends a byte now and then does not
-//! hold its client. While it waits, a client looks for a request to stop.
+//! bytes received at the pace of the slowest line. So a side that sends a byte now and then does
+//! not hold its client. While it waits, a client looks for a request to stop.
 
 use std::io::{self, ErrorKind};
 use std::sync::Arc;
@@ -102,8 +102,9 @@ impl Client {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// Sends `commands`, and waits until `identity` comes as the reply to `*IDN?`: then the line has
-    /// carried them. After a request to stop, a pending reply is given up, and little time is taken.
+    /// Sends `commands`, and waits until `identity` comes as the reply to `*IDN?`: then the line
+    /// has carried them. After a request to stop, a pending reply is given up, and little time is
+    /// taken.
     ///
     /// # Errors
     /// The system's error.
@@ -276,11 +277,11 @@ impl Client {
             let baud = self.transport.baud().unwrap_or(LOWEST_BAUD_RATE);
             let whole = self.reply_timeout + bytes * byte_time(baud);
             let left = whole.saturating_sub(asked.elapsed());
-            if left.is_zero() && bytes > 0 {
-                let found = format!("a reply of which {bytes} bytes came in {whole:.1?}");
-                return Err(invalid_reply(&found));
-            }
+            let is_slow = bytes > 0 && left < self.reply_timeout;
             self.receive(left.min(self.reply_timeout)).map_err(|error| match error.kind() {
+                ErrorKind::TimedOut if is_slow => {
+                    invalid_reply(&format!("a reply of which {bytes} bytes came in {whole:.1?}"))
+                }
                 ErrorKind::TimedOut => {
                     let waited = self.reply_timeout.as_secs_f64();
                     io::Error::new(ErrorKind::TimedOut, format!("no reply within {waited} s"))

@@ -370,8 +370,8 @@ impl Scope {
     }
 }
 
-/// Reads the reply to `*IDN?`, e.g. `TEKTRONIX,TDS 2014,0,CF:91.1CT FV:v4.12 TDS2CM:CMV:v1.04`; or a
-/// message for the user if this is no oscilloscope of the family.
+/// Reads the reply to `*IDN?`, e.g. `TEKTRONIX,TDS 2014,0,CF:91.1CT FV:v4.12 TDS2CM:CMV:v1.04`; or
+/// a message for the user if this is no oscilloscope of the family.
 fn instrument(reply: &str) -> Result<InstrumentIdentity, String> {
     let reply = printable_line(reply);
     let mut fields = reply.split(',');

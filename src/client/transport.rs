@@ -3,8 +3,8 @@
 //!
 //! A transport moves bytes and knows nothing of messages but their frame. No call waits longer than
 //! [`POLL_INTERVAL`], so that whoever waits can also look at the clock and at a request to stop.
-//! RS-232 is set as the TDS2CM module has it: 8 data bits, no parity, one stop bit, hard flagging by
-//! RTS and CTS. The adapter is the controller (`++mode 1`) and reads from the instrument only on
+//! RS-232 is set as the TDS2CM module has it: 8 data bits, no parity, one stop bit, hard flagging
+//! by RTS and CTS. The adapter is the controller (`++mode 1`) and reads from the instrument only on
 //! request (`++auto 0`, `++read eoi`): an instrument that is addressed to talk without a query
 //! reports an error. In data, the bytes that the adapter interprets itself are escaped. Sources:
 //! Prologix GPIB-ETHERNET Controller User Manual, version 1.6.6.0, sections 8 and 9; programmer

@@ -1,30 +1,13 @@
 //! Read access to the model for the views.
 
-use super::state::{
-    Cursors, Overlay, Page, Palette, PersistedTraces, Playback, Popup, SidePanel, Visibility,
-};
-use super::{BackgroundJobs, MathMode, ScreenState};
-use crate::recording::{Capture, Shot, TraceSet};
-use crate::scene::Scene;
+use super::screen_state::ScreenState;
+use super::shot_traces::MathMode;
+use super::state::{Cursors, Palette, PersistedTraces, Popup, SidePanel, Visibility};
+use crate::recording::{Capture, Shot};
 use crate::scope::{Source, Waveform};
 use crate::tui::axis::{Vertical, ViewWindow};
 
 impl ScreenState {
-    /// The recording.
-    pub fn set(&self) -> &TraceSet {
-        &self.set
-    }
-
-    /// The bench that was recorded or is struck, where that is known.
-    pub fn scene(&self) -> Option<&Scene> {
-        self.scene.as_ref()
-    }
-
-    /// The recording's name.
-    pub fn title(&self) -> &str {
-        &self.title
-    }
-
     /// Whether colours may be used.
     pub fn palette(&self) -> Palette {
         self.palette
@@ -32,7 +15,7 @@ impl ScreenState {
 
     /// The shot on screen; `None` in an empty recording.
     pub fn shot(&self) -> Option<&Shot> {
-        self.set_shot()
+        self.recordings.front().shown_shot()
     }
 
     /// The traces that can be shown: the shot's captures in channel order, math and references.
@@ -104,11 +87,6 @@ impl ScreenState {
         &self.cursors
     }
 
-    /// The open page.
-    pub fn page(&self) -> Page {
-        self.page
-    }
-
     /// The open side panel.
     pub fn side(&self) -> SidePanel {
         self.side
@@ -121,31 +99,19 @@ impl ScreenState {
 
     /// The command line as typed so far.
     pub fn prompt(&self) -> &str {
-        &self.prompt
+        self.prompt.value()
+    }
+
+    /// The command line before and behind the cursor.
+    pub fn prompt_parts(&self) -> (&str, &str) {
+        let typed = self.prompt.value();
+        let place =
+            typed.char_indices().nth(self.prompt.cursor()).map_or(typed.len(), |(at, _)| at);
+        typed.split_at(place)
     }
 
     /// How many lines of the panel have been scrolled past.
     pub fn scroll(&self) -> usize {
         self.scroll
-    }
-
-    /// How the recording is played.
-    pub fn play(&self) -> &Playback {
-        &self.play
-    }
-
-    /// How the comparison is shown.
-    pub fn overlay(&self) -> Overlay {
-        self.overlay
-    }
-
-    /// Comparison, study and ledger.
-    pub fn questions(&self) -> &BackgroundJobs {
-        &self.questions
-    }
-
-    /// The notice about the last action, if any.
-    pub fn notice(&self) -> Option<&str> {
-        self.notice.as_deref()
     }
 }

@@ -1,16 +1,13 @@
 //! Actions on the knobs of the bench: turning the selected one, and switching its effect.
 
 use super::knobs::{BenchKnob, switched};
-use super::{Page, ScreenState};
+use super::screen_state::ScreenState;
 use crate::tui::axis::TurnDirection;
 
 impl ScreenState {
-    /// Selects the next knob of those that the bench has, or on a page that is a list the next row.
+    /// Selects the next knob of those that the bench has.
     pub(super) fn next_knob(&mut self, turn: TurnDirection) {
-        if self.is_list() {
-            return self.move_row(turn.other(), 1);
-        }
-        let scene = self.scene.clone();
+        let scene = self.recordings.front().scene.clone();
         let Some(live) = self.bench() else { return };
         let count = BenchKnob::ALL.len();
         let step = match turn {
@@ -29,7 +26,9 @@ impl ScreenState {
     pub(super) fn turn_knob(&mut self, turn: TurnDirection) {
         let Some(live) = self.bench() else { return };
         let knob = BenchKnob::ALL.get(live.knob).copied();
-        let (Some(knob), Some(scene)) = (knob, self.scene.clone()) else { return };
+        let (Some(knob), Some(scene)) = (knob, self.recordings.front().scene.clone()) else {
+            return;
+        };
         let (source, tuned) = (self.selected, self.tuned());
         match knob.turned(&scene, &tuned, source, turn) {
             Ok((path, value)) => self.set_value(path, value),
@@ -42,7 +41,7 @@ impl ScreenState {
         let Some(knob) = self.bench().and_then(|live| BenchKnob::ALL.get(live.knob)) else {
             return;
         };
-        let Some(scene) = &self.scene else { return };
+        let Some(scene) = &self.recordings.front().scene else { return };
         let is_off = knob.effect.is_some() && knob.value(scene, self.selected).is_none();
         match knob.path_in(scene, self.selected) {
             Some(_) if is_off => {
@@ -53,8 +52,15 @@ impl ScreenState {
         }
     }
 
-    /// Switches the selected knob's effect, or on the page of effects the selected one.
-    pub(super) fn switch_effect(&mut self) {
+    /// Switches the effect of the selected knob.
+    pub(super) fn switch_effect_of_knob(&mut self) {
+        let live = self.recordings.front().live.as_ref();
+        let effect = live.and_then(|live| BenchKnob::ALL.get(live.knob)?.effect);
+        self.switch_effect(effect);
+    }
+
+    /// Switches `effect`, if there is one.
+    pub(in crate::tui) fn switch_effect(&mut self, effect: Option<&str>) {
         if self.bench().is_none() {
             return;
         }
@@ -63,20 +69,15 @@ impl ScreenState {
             self.notice = Some(word.to_owned());
             return;
         }
-        let named = if self.page == Page::Effects {
-            self.selected_effect()
-        } else {
-            self.live.as_ref().and_then(|live| BenchKnob::ALL.get(live.knob)?.effect)
-        };
-        let Some(scene) = self.scene.clone() else { return };
-        let Some(effect) = named else {
+        let Some(scene) = self.recordings.front().scene.clone() else { return };
+        let Some(effect) = effect else {
             self.notice = Some("this knob belongs to no effect that could be switched".to_owned());
             return;
         };
         match switched(&scene, &self.tuned(), effect) {
             Ok(settings) => {
                 let Some(((path, value), rest)) = settings.split_last() else { return };
-                if let Some(live) = &mut self.live {
+                if let Some(live) = &mut self.recordings.front_mut().live {
                     live.settings.extend(rest.iter().cloned());
                 }
                 self.set_value(path.clone(), value.clone());

@@ -6,15 +6,14 @@ use ratatui::style::Color;
 use ratatui::symbols::Marker;
 use ratatui::widgets::canvas::{Canvas, Painter, Shape};
 
+use super::colours::{colour, colour_of};
 use super::layout::ScreenLayout;
 use super::ticks::ticks;
 use super::trace::{LineStyle, Projection, TraceLine, spans, spans_of_trace};
-use super::{colour, colour_of};
 use crate::scope::Waveform;
 use crate::trace::Trace;
 use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, Vertical, ViewWindow};
-use crate::tui::model::recording_behind::RecordingBehind;
-use crate::tui::model::{Palette, ScreenState, Visibility, ordinate_unit};
+use crate::tui::model::{OpenRecording, Palette, ScreenState, Visibility, ordinate_unit};
 
 /// Dots between two of a division line's own, at least.
 const MIN_DOT_SPACING: u16 = 3;
@@ -22,7 +21,7 @@ const MIN_DOT_SPACING: u16 = 3;
 const TICKS_PER_DIVISION: u16 = 5;
 
 /// Draws divisions and traces.
-pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
+pub(in crate::tui) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let window = model.window();
     let ticks = window.map_or_else(Vec::new, |window| ticks(model, layout, window));
     let lines = window.map_or_else(Vec::new, |window| lines(model, layout, window));
@@ -88,7 +87,7 @@ fn behind(model: &ScreenState, layout: &ScreenLayout, window: ViewWindow) -> Vec
         let vertical = model.vertical(&capture.waveform);
         line(&capture.waveform, vertical, grey, LineStyle::Solid);
     }
-    for capture in model.behind().flat_map(RecordingBehind::traces) {
+    for capture in model.recordings.behind().flat_map(OpenRecording::traces) {
         let (waveform, source) = (&capture.waveform, capture.waveform.source);
         // On the axes of the trace in front, so that the two can be compared.
         let front = model.captures().iter().find(|front| front.waveform.source == source);
@@ -116,7 +115,7 @@ fn behind(model: &ScreenState, layout: &ScreenLayout, window: ViewWindow) -> Vec
 }
 
 /// The visible traces, the selected one last.
-pub(super) fn shown(model: &ScreenState) -> Vec<&Waveform> {
+pub(in crate::tui) fn shown(model: &ScreenState) -> Vec<&Waveform> {
     let mut shown: Vec<&Waveform> = model
         .captures()
         .iter()

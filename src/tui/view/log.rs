@@ -4,15 +4,15 @@ use ratatui::Frame;
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::Line;
 
-use super::colour;
+use super::colours::colour;
 use super::panel::{PANEL_MARGINS, panel, wrapped};
 use crate::tui::model::ScreenState;
 
 /// Draws the list over the screen, problems first.
-pub(super) fn draw(model: &ScreenState, frame: &mut Frame) {
+pub(in crate::tui) fn draw(model: &ScreenState, frame: &mut Frame) {
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let warning = Style::new().fg(colour(model.palette(), Color::LightRed));
-    let set = model.set();
+    let set = &model.recordings.front().set;
     let width = usize::from(frame.area().width.saturating_sub(PANEL_MARGINS));
     let texts = |texts: &[String], none: &'static str, style: Style| -> Vec<Vec<Line>> {
         let lines = texts.iter().map(|text| {

@@ -10,20 +10,20 @@ const TICK_DOTS: u16 = 3;
 
 /// Round values on the screen of a trace that stands so, each with its multiple of a round step
 /// (unit).
-pub(super) fn ordinate_ticks(vertical: Vertical) -> Vec<(i64, f64)> {
+pub(in crate::tui) fn ordinate_ticks(vertical: Vertical) -> Vec<(i64, f64)> {
     let half = f64::from(DIVISIONS_UP) / 2.0;
     let edge = |division: f64| (division - vertical.position) * vertical.scale;
     Steps::OneTwoFive.multiples((edge(-half), edge(half)), vertical.scale)
 }
 
 /// Round abscissae in a window, each with its multiple of a round step (s; Hz for an FFT).
-pub(super) fn abscissa_ticks(window: ViewWindow) -> Vec<(i64, f64)> {
+pub(in crate::tui) fn abscissa_ticks(window: ViewWindow) -> Vec<(i64, f64)> {
     Steps::OneTwoAndHalfFive.multiples((window.left(), window.right()), window.scale)
 }
 
 /// Dots of the ticks at round values: at the bottom those of the abscissa, at the left those of the
 /// selected trace. Of an axis that is not shifted they are the divisions' lines, and none is drawn.
-pub(super) fn ticks(
+pub(in crate::tui) fn ticks(
     model: &ScreenState,
     layout: &ScreenLayout,
     window: ViewWindow,

@@ -5,8 +5,9 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel}
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::{ScreenEvent, guarded, with_reasons};
+use super::event::ScreenEvent;
 use crate::recording::mcap::indexed_recording::{IndexedRecording, ReadState};
+use crate::tui::job::{guarded, with_reasons};
 
 /// A file that may grow is looked at so often.
 const FILE_POLL_INTERVAL: Duration = Duration::from_millis(50);

@@ -14,13 +14,14 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use super::{ScreenEvent, guarded, with_reasons};
+use super::event::ScreenEvent;
 use crate::client::{
     Address, ClientError, ClientTiming, LineEvent, Scope, create_recording, wall_clock_time,
 };
 use crate::recording::mcap::{RecordingWriter, ShotNotes, WriteError};
 use crate::recording::{Capture, Shot, TraceSet};
 use crate::scope::Model;
+use crate::tui::job::{guarded, with_reasons};
 use crate::tui::model::served::ServedUpdate;
 use snapshot::ServedSnapshot;
 

@@ -130,9 +130,14 @@ fn what_a_scope_says_twice_and_differently_is_recorded_with_a_note() {
         (Reply::Record, "1.0E0 V/div", "5.0E0 V/div", "WFID says 5.000 V/div"),
         (Reply::Record, "2.5E-4 s/div", "2.5E-3 s/div", "WFID says 2.500 ms/div"),
         (Reply::Record, "2500 points", "1000 points", "WFID says 1000"),
-        (Reply::SetUp, ":CH2:SCALE 1.0E0", ":CH2:SCALE 5.0E0", "vertical scale"),
-        (Reply::SetUp, ":CH2:SCALE 1.0E0", ":CH2:SCALE 1E999", "expected a finite number"),
-        (Reply::SetUp, "SCALE 2.5E-4", "SCALE 5.0E-4", "time base"),
+        (Reply::SetUp, ":CH2:PROBE 1;SCALE 1.0E0", ":CH2:PROBE 1;SCALE 5.0E0", "vertical scale"),
+        (
+            Reply::SetUp,
+            ":CH2:PROBE 1;SCALE 1.0E0",
+            ":CH2:PROBE 1;SCALE 1E999",
+            "expected a finite number",
+        ),
+        (Reply::SetUp, "MAIN:SCALE 2.5E-4", "MAIN:SCALE 5.0E-4", "time base"),
     ] {
         let (shot, contradictions, _) =
             told(lie(reply, from, to)).unwrap_or_else(|error| panic!("{to}: {error}"));

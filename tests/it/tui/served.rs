@@ -16,9 +16,10 @@ use hertzscope::recording::{Origin, TraceSet};
 use hertzscope::scope::{Coupling, Source};
 use hertzscope::server::ServerOptions;
 use hertzscope::tui::axis::TurnDirection;
+use hertzscope::tui::job::with_reasons;
 use hertzscope::tui::model::{Action, Palette, RunState, ScreenState, SidePanel, update};
 use hertzscope::tui::work::served::ServedConnection;
-use hertzscope::tui::work::{ScreenEvent, Workers, with_reasons};
+use hertzscope::tui::work::{ScreenEvent, Workers};
 use ratatui::layout::Size;
 
 /// Far longer than anything takes.
@@ -58,7 +59,7 @@ impl Session {
         let (mut staff, news) = Workers::start(None, false);
         staff.watch(scope);
         let mut session = Self { model, staff, news };
-        session.wait_for(|model| model.scene().is_some());
+        session.wait_for(|model| model.recordings.front().scene.as_ref().is_some());
         session
     }
 
@@ -91,7 +92,9 @@ fn it_shows_what_the_scope_shows_and_its_keys_turn_the_scope() {
     let server = Server::at_rest();
     let mut lab = server.connect();
     let mut session = Session::on(&server);
-    session.wait_for(|model| model.live().is_some_and(|l| l.acquisition == RunState::Running));
+    session.wait_for(|model| {
+        model.recordings.front().live.as_ref().is_some_and(|l| l.acquisition == RunState::Running)
+    });
     draw(&session.model, 80, 24).find("i strikes the chain");
     session.wait_for(|model| draw(model, 80, 24).text().contains("Ready"));
     session.act(Action::Impact);
@@ -152,7 +155,9 @@ fn it_shows_what_the_scope_shows_and_its_keys_turn_the_scope() {
     let before = session.number();
     session.act(Action::Impact);
     session.wait_for(|model| model.shot().is_some_and(|shot| shot.number > before));
-    session.wait_for(|model| model.live().is_some_and(|l| l.acquisition == RunState::Stopped));
+    session.wait_for(|model| {
+        model.recordings.front().live.as_ref().is_some_and(|l| l.acquisition == RunState::Stopped)
+    });
     assert_eq!(lab.ask("BENC:STRI:SPE?"), "5.87E-1\n");
     // 0.587 m/s for 0.44 m/s: a force between the speed's power 1 of a preloaded chain and 6/5 of
     // an unloaded one.
@@ -160,7 +165,7 @@ fn it_shows_what_the_scope_shows_and_its_keys_turn_the_scope() {
     let speeds: f64 = 0.587 / 0.44;
     assert!((0.97 * speeds..1.03 * speeds.powf(1.2)).contains(&ratio), "{ratio}");
     // What is tuned is a scene.
-    let text = session.model.live().expect("a bench").text();
+    let text = session.model.recordings.front().live.as_ref().expect("a bench").text();
     let scene = hertzscope::scene::Scene::from_text("tuned", "tuned.toml", &text).expect("a scene");
     assert_eq!(scene.striker_speed(), Some(0.587));
     assert_eq!(scene.scope.channels[0].as_ref().expect("a channel").vertical.scale, 2.0);
@@ -184,7 +189,7 @@ fn nobody_else_notices() {
             news.apply(&mut session.model);
             records += 1;
         }
-        assert!(!session.model.notice().is_some_and(|word| word.contains("gone")));
+        assert!(!session.model.notice.as_deref().is_some_and(|word| word.contains("gone")));
     }
     assert_eq!(session.model.captures().len(), 4);
     assert_eq!(lab.ask("*ESR?;EVENT?"), "0;0\n");
@@ -198,7 +203,7 @@ fn a_scope_that_is_gone_is_told() {
     session.wait_for(|model| !model.captures().is_empty());
     drop(server);
     session.wait_for(|model| draw(model, 80, 24).text().contains("Lost"));
-    assert!(session.model.notice().expect("a word").contains("connection lost"));
+    assert!(session.model.notice.as_deref().expect("a word").contains("connection lost"));
     // What was seen stays, and keys harm nothing.
     for action in [Action::Impact, Action::VoltsPerDivision(TurnDirection::Up), Action::RunStop] {
         session.act(action);
@@ -294,15 +299,15 @@ fn what_is_shown_is_compared_with_a_scene_and_recorded() {
         session.wait_for(|model| model.shot().is_some_and(|shot| shot.number == number));
         seen.push(session.model.captures()[2].waveform.codes.clone());
     }
-    session.wait_for(|model| model.questions().comparison.done().is_some());
+    session.wait_for(|model| model.jobs.comparison.done().is_some());
     // The scene states its uncertainty.
-    session.wait_for(|model| model.questions().bands.len() == 4);
+    session.wait_for(|model| model.jobs.bands.len() == 4);
     // Then the verdict goes by it, as in `compare`.
     session.wait_for(|model| {
-        let found = model.questions().comparison.done();
+        let found = model.jobs.comparison.done();
         found.is_some_and(|found| found.comparison.tolerance[0].contains("E_n"))
     });
-    let comparison = session.model.questions().comparison.done().expect("one").comparison.clone();
+    let comparison = session.model.jobs.comparison.done().expect("one").comparison.clone();
     assert_eq!((comparison.measured, comparison.channels.len()), (address, 4));
     assert_eq!((comparison.simulated.as_str(), comparison.verdict), ("magnet-0.61g", "pass"));
     draw(&session.model, 80, 24)
@@ -317,7 +322,8 @@ fn what_is_shown_is_compared_with_a_scene_and_recorded() {
     assert!(set.notes[&2].set_up.contains(":CH1:PROBE"));
 }
 
-/// The line fails in the middle of the first curve: the screen says so, connects again, and goes on.
+/// The line fails in the middle of the first curve: the screen says so, connects again, and goes
+/// on.
 #[test]
 fn a_screen_connects_again_after_its_line_failed() {
     let server = Server::at_rest();
@@ -333,9 +339,9 @@ fn a_screen_connects_again_after_its_line_failed() {
     let mut session = Session::with(scope, address);
     session.act(Action::Impact);
     session.wait_for(|model| draw(model, 80, 24).text().contains("Lost"));
-    assert!(session.model.notice().expect("a notice").contains("trying again"));
+    assert!(session.model.notice.as_deref().expect("a notice").contains("trying again"));
     session.act(Action::Impact);
-    assert_eq!(session.model.notice(), Some("the scope is not connected: trying again"));
+    assert_eq!(session.model.notice.as_deref(), Some("the scope is not connected: trying again"));
     session.wait_for(|model| model.captures().len() == 4);
     session.wait_for(|model| !draw(model, 80, 24).text().contains("Lost"));
 }

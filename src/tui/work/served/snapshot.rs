@@ -81,8 +81,8 @@ impl ServedSnapshot {
         self.state.trigger == "SCAN"
     }
 
-    /// Whether there may be a record. A scope that runs has none before its first acquisition, and a
-    /// query of it would be an error; one that was stopped may have that of a scan.
+    /// Whether there may be a record. A scope that runs has none before its first acquisition, and
+    /// a query of it would be an error; one that was stopped may have that of a scan.
     pub fn has_records(&self) -> bool {
         self.state.count > 0 || self.is_scanning() || !self.state.is_running
     }
