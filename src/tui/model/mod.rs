@@ -5,15 +5,12 @@
 //! output, and nothing that takes long: what it needs done it leaves as [`Request`]s, most of them
 //! closures for a thread whose result is a change of the model.
 
-mod accessors;
 mod autoset;
 pub mod command;
 pub mod comparison;
 mod cursors;
 mod derived;
-pub mod features;
 mod front_panel;
-mod knob_actions;
 pub mod knobs;
 mod live;
 pub mod live_state;

@@ -16,8 +16,8 @@ use crate::tui::axis::Steps;
 use crate::tui::model::{Action, DerivedPart, FilmScales, Page, PageSpec, ScreenState};
 use crate::tui::view::axes::put;
 use crate::tui::view::colours::colour;
-use crate::tui::view::divisions::whole;
 use crate::tui::view::layout::ScreenLayout;
+use crate::tui::view::layout::whole;
 use crate::tui::view::panel::message;
 use crate::tui::view::readout::compact;
 

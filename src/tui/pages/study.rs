@@ -6,7 +6,7 @@ use ratatui::layout::Rect;
 use crate::scene::Scene;
 use crate::tui::job::{Change, Job, JobState, Queue};
 use crate::tui::model::{BackgroundJobs, ScreenState};
-use crate::tui::view::divisions::whole;
+use crate::tui::view::layout::whole;
 use crate::tui::view::panel::message;
 
 /// Progress from one report to the next (1).

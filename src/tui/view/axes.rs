@@ -6,11 +6,9 @@ use ratatui::layout::{Position, Rect};
 use ratatui::style::{Color, Modifier, Style};
 
 use super::colours::{colour, colour_of};
-use super::divisions::{dot_of_division, whole};
-use super::graticule::shown;
-use super::layout::ScreenLayout;
+use super::graticule::{abscissa_ticks, ordinate_ticks, shown};
+use super::layout::{ScreenLayout, dot_of_division, whole};
 use super::readout::{compact, digits_for, ordinate_unit};
-use super::ticks::{abscissa_ticks, ordinate_ticks};
 use crate::scope::Source;
 use crate::tui::axis::{ViewWindow, is_spectrum};
 use crate::tui::model::ScreenState;

@@ -6,8 +6,8 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::canvas::{Painter, Shape};
 
 use super::colours::{colour, colour_of};
-use super::divisions::dot_of_division;
 use super::layout::ScreenLayout;
+use super::layout::dot_of_division;
 use super::readout::{compact, spaced, width};
 use crate::tui::axis::DIVISIONS_ACROSS;
 use crate::tui::model::{CursorKind, ScreenState};

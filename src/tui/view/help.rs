@@ -1,16 +1,17 @@
-//! The keys, made from their table: in groups, or those that a search finds.
+//! What the keys `?` and `l` show over the screen: the keys, and problems and log.
 
 use ratatui::Frame;
-use ratatui::style::{Modifier, Style};
+use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 
-use super::panel::panel;
+use super::colours::colour;
+use super::panel::{PANEL_MARGINS, panel, wrapped};
 use crate::tui::keys::{HelpRow, groups};
 use crate::tui::model::command::COMMANDS;
 use crate::tui::model::{Popup, ScreenState};
 
 /// Draws the help over the screen.
-pub(in crate::tui) fn draw(model: &ScreenState, frame: &mut Frame) {
+pub(in crate::tui) fn help(model: &ScreenState, frame: &mut Frame) {
     let mut groups = groups();
     let labels = groups.iter().flat_map(|(_, rows)| rows).map(|(label, _)| label);
     let widest = labels.map(|label| Span::raw(label).width()).max().unwrap_or(0);
@@ -52,4 +53,24 @@ pub(in crate::tui) fn draw(model: &ScreenState, frame: &mut Frame) {
         _ => format!("Keys with: {}", model.prompt()),
     };
     panel(model.scroll(), &title, lines, frame);
+}
+
+/// Draws the list over the screen, problems first.
+pub(in crate::tui) fn log(model: &ScreenState, frame: &mut Frame) {
+    let bold = Style::new().add_modifier(Modifier::BOLD);
+    let warning = Style::new().fg(colour(model.palette(), Color::LightRed));
+    let set = &model.recordings.front().set;
+    let width = usize::from(frame.area().width.saturating_sub(PANEL_MARGINS));
+    let texts = |texts: &[String], none: &'static str, style: Style| -> Vec<Vec<Line>> {
+        let lines = texts.iter().map(|text| {
+            wrapped(text, width).into_iter().map(|line| Line::styled(line, style)).collect()
+        });
+        if texts.is_empty() { vec![vec![Line::raw(none)]] } else { lines.collect() }
+    };
+    let mut entries = vec![vec![Line::styled("Problems", bold)]];
+    entries.extend(texts(&set.problems, "none", warning));
+    entries.push(vec![Line::default(), Line::styled("Log", bold)]);
+    entries.extend(texts(&set.log, "empty", Style::new()));
+    let first = entries.iter().take(model.scroll()).map(Vec::len).sum();
+    panel(first, "Problems and log", entries.concat(), frame);
 }

@@ -5,11 +5,9 @@ pub(in crate::tui) mod axes;
 pub(in crate::tui) mod colours;
 mod cursors;
 pub(in crate::tui) mod diagram;
-pub(in crate::tui) mod divisions;
 mod graticule;
 mod help;
 pub mod layout;
-mod log;
 mod overview;
 pub(in crate::tui) mod panel;
 pub mod picture;
@@ -17,7 +15,6 @@ pub(in crate::tui) mod readout;
 mod side;
 mod status;
 pub mod target;
-mod ticks;
 mod trace;
 
 use ratatui::Frame;
@@ -68,8 +65,8 @@ pub fn draw(model: &ScreenState, frame: &mut Frame) {
     }
     match model.panel() {
         Popup::Scope | Popup::Prompt => {}
-        Popup::Help | Popup::Search => help::draw(model, frame),
-        Popup::Log => log::draw(model, frame),
+        Popup::Help | Popup::Search => help::help(model, frame),
+        Popup::Log => help::log(model, frame),
     }
 }
 

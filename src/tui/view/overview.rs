@@ -9,8 +9,8 @@ use ratatui::widgets::canvas::Canvas;
 
 use super::axes::put;
 use super::colours::{colour, colour_of};
-use super::divisions::whole;
 use super::layout::ScreenLayout;
+use super::layout::whole;
 use super::trace::{LineStyle, Projection, TraceLine, spans};
 use crate::scope::Waveform;
 use crate::tui::axis::{ViewWindow, extent};
