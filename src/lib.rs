@@ -6,6 +6,7 @@
 //! needs more than 8 MiB of stack.
 
 pub mod analysis;
+pub mod calibrate;
 pub mod chain;
 pub mod cli;
 pub mod client;
@@ -15,12 +16,13 @@ pub mod files;
 pub mod fit;
 pub mod hislip;
 pub mod instrument;
-pub mod integrate;
 pub mod lan;
 pub mod magnet;
 pub mod measurement;
+pub mod motion;
 pub mod note;
 pub mod numeric;
+pub mod predict;
 pub mod quantity;
 pub mod recording;
 pub mod report;

@@ -27,8 +27,8 @@
 //! the noise; for signals whose time constant is not known, droop moves arrivals by more than is
 //! stated (peaks by about 1 us in this bench).
 
+use crate::numeric::intervals::even_half_width;
 use crate::quantity::Uncertain;
-use crate::quantity::coverage::even_half_width;
 use std::fmt;
 
 use super::local_fit::{LocalFit, nearest_fall};
@@ -82,7 +82,8 @@ const STEEPEST: Fitted = Fitted(4, 0.75);
 /// Powers of a fit's width with which what the pulse's shape does to the places grows (1).
 const PEAK_GROWTH: i32 = 3;
 const STEEPEST_GROWTH: i32 = 4;
-/// How much wider the fit is that tells what the pulse's shape does to a place found (1).
+/// Width of the second fit, which shows what the pulse's shape does to a place found, over that of
+/// the first (1).
 const FIT_WIDTH_FACTOR: f64 = 1.6;
 /// A level this many standard deviations of the smoothed noise high can be found (1).
 const MIN_LEVEL_DEVIATIONS: f64 = 4.0;
@@ -102,7 +103,7 @@ struct Place {
 }
 
 impl Pulse {
-    /// When the pulse arrives by `estimator` (s); none where it cannot be told.
+    /// When the pulse arrives by `estimator` (s); none if it is not determined.
     pub fn arrival(&self, estimator: Estimator) -> Option<Uncertain> {
         match estimator {
             Estimator::HalfRise => self.crossing(0.5, self.reach_of(0.5)?),

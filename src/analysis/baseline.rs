@@ -3,39 +3,65 @@
 //! Noise of one sample: the baseline's root mean square about its mean, but no less than
 //! `q/sqrt(12)`, what the rounding to levels `q` apart leaves (JCGM 100:2008, F.2.2.1). Where noise
 //! is below half a level, rounding errors of neighbouring samples go together, and zero and noise
-//! follow from how often each code is shown ([`super::rounding`]).
+//! follow from how often each code is shown ([`super::quiet_scope`]).
+//!
+//! A pulse begins below the noise: its foot lies in the baseline if the record begins shortly
+//! before it. A foot rises no more slowly than the exponential through an eighth and a quarter of
+//! the largest value (a pulse in a precompressed chain begins so; a Hertz contact at once): its
+//! mean over the baseline is a part of the zero's uncertainty, and the baseline ends where noise
+//! and foot together are least.
 
 use std::ops::Range;
 
+use serde::Serialize;
+
 use super::pulse_conditions::{Conditions, MIN_BASELINE_SAMPLES, PEAK_SHARE, PulseError};
-use super::rounding::{AtRest, MovingScatter, Rounding, Spread};
+use super::quiet_scope::{AtRest, MovingScatter};
+use super::rounding::{Rounding, Spread};
+use crate::numeric::statistics::Moments;
 use crate::trace::Trace;
 
 /// The baseline ends after this share of the samples before the pulse exceeds a quarter of the
 /// largest value (1).
 const BASELINE_SHARE: f64 = 2.0 / 3.0;
+/// Shares of the samples before the quarter at which the baseline may end, the usual one first (1).
+const SHORTER_SHARES: [f64; 5] = [1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0, 1.0 / 6.0, 1.0 / 8.0];
+/// A foot below this share of the noise's part is none (1).
+const MIN_FOOT_SHARE: f64 = 0.2;
+/// A baseline that varies this many times as much as neighbouring samples differ is no signal at
+/// rest, if it is so by as many standard deviations and by this share of the largest value (1).
+const MOTION_FACTOR: f64 = 2.0;
+const MOTION_DEVIATIONS: f64 = 5.0;
+const MOTION_SHARE: f64 = 0.01;
 /// Scatter below this many levels leaves rounding errors that go together (1).
 const DITHERED_RMS: f64 = 0.6;
-/// Samples of a smooth curve that tells the scatter, and levels that it spans at least.
+/// Samples of a smooth curve about which samples scatter, and levels that it spans at least.
 const CURVE_SAMPLES: usize = 12;
 const CURVE_LEVELS: f64 = 3.0;
 
 /// Zero and noise of a trace before the pulse.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Baseline {
-    /// The signal at rest: the mean, or what the codes of a quiet scope tell (unit).
+    /// The signal at rest: the mean, or what the codes of a quiet scope show (unit).
+    #[serde(rename = "baseline_v")]
     pub level: f64,
     /// Root mean square about the mean (unit).
+    #[serde(skip)]
     pub rms: f64,
     /// Number of samples.
+    #[serde(skip)]
     pub samples: usize,
     /// The first sample behind it.
+    #[serde(skip)]
     pub end: usize,
     /// Its standard uncertainty (unit).
+    #[serde(rename = "baseline_u_v")]
     pub uncertainty: f64,
     /// How it is distributed: evenly, where all samples show one code.
+    #[serde(skip)]
     pub spread: Spread,
-    /// The noise in front of the converter, as far as the codes tell it.
+    /// The noise in front of the converter, as far as the codes show it.
+    #[serde(skip)]
     pub rounding: Rounding,
 }
 
@@ -46,23 +72,35 @@ impl Baseline {
         Self::with_rest(trace, conditions, &scatter).map(|(baseline, _)| baseline)
     }
 
-    /// The same with what the codes of a quiet scope tell, whose samples elsewhere have this
+    /// The same with what the codes of a quiet scope show, whose samples elsewhere have this
     /// `scatter`.
-    pub(super) fn with_rest(
+    ///
+    /// # Errors
+    /// [`PulseError`] if the record is too short before the pulse, or not at rest.
+    pub fn with_rest(
         trace: &Trace,
         conditions: &Conditions,
         scatter: &dyn Fn() -> MovingScatter,
     ) -> Result<(Self, Option<AtRest>), PulseError> {
-        let range = conditions.baseline.map_or_else(|| before_pulse(trace), |g| g.range(trace));
+        let before = Before::of(trace, conditions.level);
+        let (range, foot) = match conditions.baseline {
+            Some(gate) => (gate.range(trace), 0.0),
+            None => before.baseline(),
+        };
         let values = trace.values.get(range.clone()).unwrap_or_default();
         if values.len() < MIN_BASELINE_SAMPLES {
             let samples = values.len();
             return Err(PulseError::NoBaseline { trace: trace.name.clone(), samples });
         }
         let count = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / count;
-        let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-        let rms = (squares / (count - 1.0)).sqrt();
+        let Moments { mean, deviation: rms, .. } = Moments::of(values);
+        if conditions.baseline.is_none() && before.is_moving(rms, values.len()) {
+            return Err(PulseError::NotAtRest {
+                trace: trace.name.clone(),
+                rms,
+                noise: before.noise,
+            });
+        }
         let step = conditions.level;
         let rest = (rms < DITHERED_RMS * step).then(|| AtRest::of(values, step, scatter()));
         let (level, spread, rounding) = if let Some(rest) = &rest {
@@ -71,6 +109,7 @@ impl Baseline {
             let noise = (rms * rms - step * step / 12.0).sqrt();
             (mean, Spread::normal(rms / count.sqrt()), Rounding { level: step, noise })
         };
+        let spread = spread.plus(Spread::normal(foot));
         let baseline = Self {
             level,
             rms,
@@ -92,7 +131,7 @@ pub fn noise_of(rms: f64, level: f64) -> f64 {
 
 /// Scatter of the samples of `trace` about cubics over a few of them each, wherever these span
 /// several levels `step` apart (unit).
-pub(super) fn scatter(trace: &Trace, step: f64) -> MovingScatter {
+pub fn scatter(trace: &Trace, step: f64) -> MovingScatter {
     let cubics = cubics();
     let shares = |values: &[f64]| -> Vec<f64> {
         cubics.iter().map(|basis| basis.iter().zip(values).map(|(b, v)| b * v).sum()).collect()
@@ -133,24 +172,78 @@ fn cubics() -> Vec<[f64; CURVE_SAMPLES]> {
     basis
 }
 
-/// The first two thirds of the samples before the first that is a quarter of the largest deviation
-/// away from the start, as is one of the two behind it: a single one may be noise.
-fn before_pulse(trace: &Trace) -> Range<usize> {
-    let mut first: Vec<f64> = trace
-        .values
-        .iter()
-        .take(MIN_BASELINE_SAMPLES.max(trace.values.len() / 50))
-        .copied()
-        .collect();
-    first.sort_by(f64::total_cmp);
-    let start = first.get(first.len() / 2).copied().unwrap_or(0.0);
-    let away = |v: &f64| (v - start).abs();
-    let top = trace.values.iter().map(away).fold(0.0, f64::max);
-    let is_far = |v: &f64| away(v) >= PEAK_SHARE * top;
-    let is_pulse = |near: &[f64]| {
-        let (first, behind) = near.split_at(1);
-        first.iter().all(is_far) && behind.iter().any(is_far)
-    };
-    let quarter = trace.values.windows(3).position(is_pulse).unwrap_or(0);
-    0..(BASELINE_SHARE * quarter as f64) as usize
+/// The samples before the pulse.
+struct Before {
+    /// Samples before the first that is a quarter of the largest deviation away from the start, as
+    /// is one of the two behind it: a single one may be noise.
+    samples: usize,
+    /// Samples in which the pulse grows by a factor of e there.
+    growth: f64,
+    /// Largest deviation from the start (unit).
+    top: f64,
+    /// Noise of one sample, from the differences of neighbours (unit).
+    noise: f64,
+}
+
+impl Before {
+    fn of(trace: &Trace, level: f64) -> Self {
+        let values = &trace.values;
+        let first = values.iter().take(MIN_BASELINE_SAMPLES.max(values.len() / 50)).copied();
+        let start = upper_median(first.collect());
+        let away = |v: &f64| (v - start).abs();
+        let top = values.iter().map(away).fold(0.0, f64::max);
+        let is_far = |v: &f64| away(v) >= PEAK_SHARE * top;
+        let is_pulse = |near: &[f64]| {
+            let (first, behind) = near.split_at(1);
+            first.iter().all(is_far) && behind.iter().any(is_far)
+        };
+        let samples = values.windows(3).position(is_pulse).unwrap_or(0);
+        let before = values.get(..samples).unwrap_or_default();
+        let near = before.iter().rposition(|v| away(v) < 0.5 * PEAK_SHARE * top);
+        let doubling = samples - near.unwrap_or(0);
+        let quiet = before.get(..(BASELINE_SHARE * samples as f64) as usize).unwrap_or_default();
+        let squares: f64 = quiet.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
+        let noise = (0.5 * squares / quiet.len().max(2) as f64).sqrt();
+        let growth = doubling as f64 / std::f64::consts::LN_2;
+        Self { samples, growth, top, noise: noise_of(noise, level) }
+    }
+
+    /// Mean of the pulse's foot over the first `count` samples (unit).
+    fn foot(&self, count: usize) -> f64 {
+        let height = |sample: f64| {
+            PEAK_SHARE * self.top * (-(self.samples as f64 - sample) / self.growth).exp()
+        };
+        (height(count as f64) - height(0.0)) * self.growth / count.max(1) as f64
+    }
+
+    /// Where the baseline lies, and the mean of the foot in it, if it counts (unit).
+    fn baseline(&self) -> (Range<usize>, f64) {
+        let end = |share: f64| (share * self.samples as f64) as usize;
+        let noise = |count: usize| self.noise / (count.max(1) as f64).sqrt();
+        let usual = end(BASELINE_SHARE);
+        if self.foot(usual) < MIN_FOOT_SHARE * noise(usual) {
+            return (0..usual, 0.0);
+        }
+        let error = |count: usize| noise(count).hypot(self.foot(count));
+        let shorter = SHORTER_SHARES.map(end).into_iter().filter(|n| *n >= MIN_BASELINE_SAMPLES);
+        let ends = std::iter::once(usual).chain(shorter);
+        let best = ends.min_by(|a, b| error(*a).total_cmp(&error(*b))).unwrap_or(usual);
+        (0..best, self.foot(best))
+    }
+
+    /// True if a baseline of `count` samples with this root mean square varies by more than noise:
+    /// of white noise, the mean squared difference of neighbours is twice the variance, with a
+    /// relative standard deviation of `1/sqrt(n)` (J. von Neumann, Ann. Math. Stat. 12, 367, 1941).
+    fn is_moving(&self, rms: f64, count: usize) -> bool {
+        let ratio = (self.noise / rms).powi(2);
+        rms > MOTION_FACTOR * self.noise
+            && (1.0 - ratio) * (count as f64).sqrt() > MOTION_DEVIATIONS
+            && rms > MOTION_SHARE * self.top
+    }
+}
+
+/// The middle one of `values`, of two the larger; zero of none (unit).
+fn upper_median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }

@@ -9,7 +9,7 @@
 //!   means, `g = [M - l S + sqrt((M - l S)^2 + 4 l C^2)]/(2 C)`, so that measured over simulated
 //!   and simulated over measured are each other's inverse; `u(g)^2 = g^2 (1/r^2 - 1) F/(n - 2)`,
 //!   `F = sum over k of p(k) q(k)` of the autocorrelations of the line's residuals and of the
-//!   signal, 1 for white residuals. Both are told, neither is taken out of the residual;
+//!   signal, 1 for white residuals. Both are reported, neither is taken out of the residual;
 //! - correlation: Pearson's coefficient;
 //! - spectrum distance: `sqrt(sum (|M[k]| - |S[k]|)^2 / sum |S[k]|^2)` over the amplitudes of both
 //!   Fourier transforms without their zero-frequency bins: 0 for a trace shifted in time, `|g - 1|`
@@ -25,6 +25,7 @@ use super::gate::Gate;
 use super::least_squares::squares;
 use super::spectrum::Window;
 use super::spectrum::{Analyser, SpectrumSettings};
+use crate::numeric::roots::vertex;
 use crate::quantity::Uncertain;
 use crate::trace::Trace;
 
@@ -107,7 +108,7 @@ impl Pair {
         let gain = deming(mm, noise_ratio * ss, ms, noise_ratio);
         let left: Vec<f64> = m.iter().zip(&s).map(|(m, s)| m - gain * s).collect();
         let both: Vec<f64> = m.iter().zip(&s).map(|(m, s)| m + gain * s).collect();
-        let alike = alikeness(&left, &both);
+        let alike = variance_factor(&left, &both);
         let scatter = (mm * ss / (ms * ms) - 1.0).max(0.0) * alike / (count - 2.0);
         let told = ss > 0.0 && mm > 0.0;
         Distance {
@@ -154,7 +155,7 @@ fn deming(mm: f64, lss: f64, ms: f64, ratio: f64) -> f64 {
 
 /// Sum of the products of two traces' autocorrelations, up to where the first one's ends: how many
 /// times a slope's variance is what white residuals would make it (1).
-fn alikeness(residual: &[f64], signal: &[f64]) -> f64 {
+fn variance_factor(residual: &[f64], signal: &[f64]) -> f64 {
     let at = |values: &[f64], lag: usize| -> f64 {
         values.iter().zip(values.get(lag..).unwrap_or(&[])).map(|(a, b)| a * b).sum()
     };
@@ -232,8 +233,7 @@ pub fn least_squares_shift(pairs: &[(&Trace, &Trace, f64)]) -> Option<f64> {
     let coarse = scan(&cost, middle, 8.0 * step, (reach / 16.0).ceil())?;
     let fine = scan(&cost, coarse, step, 10.0)?;
     let (low, here, high) = (cost(fine - step)?, cost(fine)?, cost(fine + step)?);
-    let bend = low - 2.0 * here + high;
-    let off = if bend > 0.0 { 0.5 * (low - high) / bend } else { 0.0 };
+    let off = vertex([low, here, high].map(|cost| -cost)).map_or(0.0, |(off, _)| off);
     // Traces that agree to the last bit are where they are.
     Some(if here == 0.0 { fine } else { fine + off * step })
 }

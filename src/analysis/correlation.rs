@@ -13,9 +13,8 @@
 use crate::quantity::Uncertain;
 use std::f64::consts::PI;
 
-use realfft::RealFftPlanner;
-
 use super::arrival::Estimator;
+use super::fourier::Fourier;
 use super::local_fit::{LocalFit, nearest_fall};
 use super::pulse::Pulse;
 use crate::trace::Trace;
@@ -40,10 +39,10 @@ pub fn delay(first: &Pulse, second: &Pulse) -> Option<Uncertain> {
         (first.arrival(Estimator::HalfRise)?, second.arrival(Estimator::HalfRise)?);
     let (a, b) = (first.excerpt(half_a.value, rise), second.excerpt(half_b.value, rise));
     let reach = (FIT_LAGS * rise).ceil().max(2.0) as usize;
-    let CorrelationMaximum { lag, bend, gain } = top(&correlate(&a, &b)?, reach)?;
+    let CorrelationMaximum { lag, bend, gain } = top(&correlate(&a, &b), reach)?;
     // The cut-out moves with the half-rise: how far the lag goes with it, once for each of the two.
     let moved = second.excerpt(half_b.value + half_b.u, rise);
-    let cut_b = (top(&correlate(&a, &moved)?, reach)?.lag - lag).abs();
+    let cut_b = (top(&correlate(&a, &moved), reach)?.lag - lag).abs();
     let cut_a = cut_b * half_a.u / half_b.u;
     // The curvature of C at its top is the sum of a' b' with its sign turned: with pulses of like
     // shape, those of a'^2 and b'^2 by the ratio of the heights. Summed up from the samples they
@@ -104,23 +103,15 @@ impl Pulse {
     }
 }
 
-/// `sum of a[i] b[i + k]` for every `k`, negative ones at the end; none for lengths that cannot be
-/// transformed (unit).
-pub fn correlate(a: &[f64], b: &[f64]) -> Option<Vec<f64>> {
+/// `sum of a[i] b[i + k]` for every `k`, negative ones at the end (unit).
+pub fn correlate(a: &[f64], b: &[f64]) -> Vec<f64> {
     let length = (a.len() + b.len()).next_power_of_two();
-    let mut planner = RealFftPlanner::<f64>::new();
-    let forward = planner.plan_fft_forward(length);
-    let transform = |values: &[f64]| {
-        let mut input = values.to_vec();
-        input.resize(length, 0.0);
-        let mut output = forward.make_output_vec();
-        forward.process(&mut input, &mut output).ok()?;
-        Some(output)
-    };
-    let (first, second) = (transform(a)?, transform(b)?);
+    let mut fourier = Fourier::default();
+    let [first, second] = [a, b].map(|values| {
+        let mut padded = values.to_vec();
+        padded.resize(length, 0.0);
+        fourier.forward(&mut padded)
+    });
     let mut product: Vec<_> = first.iter().zip(&second).map(|(x, y)| x.conj() * y).collect();
-    let mut lags = vec![0.0; length];
-    planner.plan_fft_inverse(length).process(&mut product, &mut lags).ok()?;
-    let scale = 1.0 / length as f64;
-    Some(lags.into_iter().map(|c| c * scale).collect())
+    fourier.inverse(&mut product, length)
 }

@@ -1,5 +1,5 @@
-//! Undoes the droop of a piezo sensor: from the voltage that leaks away back to what the sensor
-//! felt.
+//! Undoes the droop of a piezo sensor: from the voltage that leaks away back to the force
+//! on the sensor.
 //!
 //! `V' + V/tau = S N'` has the inverse `S N = V + (1/tau) integral of V dt`. Sample by sample,
 //! exact where the force runs straight between samples:

@@ -253,8 +253,8 @@ mod tests {
         }
     }
 
-    /// Two parameters that only count as their sum are told apart by nothing, and said to be; which
-    /// of all is named is left to rounding, as derivatives are differences here.
+    /// Two parameters that only count as their sum cannot be determined, and the error says so;
+    /// which of all is named is left to rounding, as derivatives are differences here.
     #[test]
     fn parameters_that_cannot_be_told_apart_are_refused() {
         let points: Vec<(f64, f64)> = (1..9).map(|i| (f64::from(i), 3.0 * f64::from(i))).collect();

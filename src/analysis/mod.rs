@@ -2,16 +2,17 @@
 
 pub mod arrival;
 pub mod baseline;
-pub mod calibration;
 pub mod comparison;
 pub mod correlation;
 pub mod dispersion;
 pub mod droop;
+mod fourier;
 pub mod gate;
 pub mod least_squares;
 mod local_fit;
 pub mod pulse;
 mod pulse_conditions;
+pub mod quiet_scope;
 pub mod rounding;
 pub mod spectrum;
 pub mod speed;

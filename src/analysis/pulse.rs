@@ -4,7 +4,7 @@
 //! the time constant is known, turns negative pulses over, and finds the first peak: the first
 //! local maximum above a quarter of the largest value, as a run's summary defines it for the force
 //! itself. A maximum counts when the signal falls off behind it by six standard deviations of the
-//! smoothed noise and by 0.5 % of the largest value; shallower ones cannot be told from noise.
+//! smoothed noise and by 0.5 % of the largest value; shallower ones may be noise.
 
 use super::pulse_conditions::MIN_PROMINENCE;
 pub use super::pulse_conditions::{Conditions, PEAK_SHARE, PulseError};

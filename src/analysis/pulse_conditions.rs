@@ -29,6 +29,18 @@ pub enum PulseError {
         /// How many there are.
         samples: usize,
     },
+    /// The record begins in motion.
+    #[error(
+        "{trace} is not at rest before the pulse: it varies by {rms:.2e}, its noise is {noise:.2e}; begin the record earlier (more pre-trigger), or remove drift and hum"
+    )]
+    NotAtRest {
+        /// The trace's name.
+        trace: String,
+        /// Root mean square before the pulse (unit).
+        rms: f64,
+        /// Noise of one sample, from the differences of neighbours (unit).
+        noise: f64,
+    },
     /// Nothing above the noise.
     #[error(
         "found a largest deviation of {largest:e} in {trace}, expected more than {MIN_PROMINENCE} times its noise of {noise:e}"

@@ -20,7 +20,7 @@
 //!   Ruediger, R. Schilling, MPI report (2002), Eqs (23) and (24).
 //!
 //! Valid below half the sampling frequency; what the signal holds above that is folded down and
-//! cannot be told apart.
+//! cannot be separated.
 //!
 //! Windows: what a record is multiplied with before it is transformed.
 //!
@@ -43,9 +43,9 @@
 use std::f64::consts::TAU;
 use std::fmt;
 
-use realfft::RealFftPlanner;
-
+use super::fourier::Fourier;
 use super::gate::Gate;
+use crate::numeric::roots::vertex;
 use crate::quantity::Uncertain;
 use crate::trace::Trace;
 
@@ -172,7 +172,7 @@ pub struct Spectrum {
 /// many records.
 #[derive(Default)]
 pub struct Analyser {
-    planner: RealFftPlanner<f64>,
+    fourier: Fourier,
 }
 
 impl Analyser {
@@ -200,7 +200,7 @@ impl Analyser {
         let mut input: Vec<f64> =
             record.iter().zip(&weights).map(|(x, w)| (x - settings.offset) * w).collect();
         input.resize(padded, 0.0);
-        let modulus = self.moduli(&mut input);
+        let modulus = self.fourier.forward(&mut input).iter().map(|x| x.re.hypot(x.im)).collect();
         let (m, n) = (samples as f64, padded as f64);
         let amplitude = scaled(modulus, settings.convention, &weights, trace.interval, padded);
         Ok(Spectrum {
@@ -216,17 +216,6 @@ impl Analyser {
             padded,
             amplitude,
         })
-    }
-
-    /// `|X[k]|` for `k` from 0 to half the length.
-    fn moduli(&mut self, input: &mut [f64]) -> Vec<f64> {
-        let plan = self.planner.plan_fft_forward(input.len());
-        let mut output = plan.make_output_vec();
-        // Both lengths come from the plan: it has nothing to refuse.
-        if plan.process(input, &mut output).is_err() {
-            output.clear();
-        }
-        output.iter().map(|x| x.re.hypot(x.im)).collect()
     }
 }
 
@@ -421,13 +410,9 @@ impl Spectrum {
             return None;
         }
         // A zero among the three has no logarithm: the bin itself is the answer then.
-        let (shift, amplitude) = if below.min(above) > 0.0 {
-            let (a, b, c) = (below.ln(), here.ln(), above.ln());
-            let shift = 0.5 * (a - c) / (a - 2.0 * b + c);
-            (shift, (b - 0.25 * (a - c) * shift).exp())
-        } else {
-            (0.0, here)
-        };
+        let logarithms = [below, here, above].map(f64::ln);
+        let top = vertex(logarithms).filter(|_| below.min(above) > 0.0);
+        let (shift, amplitude) = top.map_or((0.0, here), |(shift, top)| (shift, top.exp()));
         let frequency = self.frequency(bin) + shift * self.step;
         let bound = match self.window {
             Window::Rectangular | Window::Hann => self.step,

@@ -36,7 +36,7 @@ pub fn decay(amplitudes: &[(f64, Uncertain)]) -> Option<Uncertain> {
     let weight = |a: &Uncertain| if certain { 1.0 } else { (a.value / a.u).powi(2) };
     let points: Vec<(f64, f64, f64)> =
         amplitudes.iter().map(|(x, a)| (*x, a.value.ln(), weight(a))).collect();
-    let line = StraightLine::through(&points);
+    let line = StraightLine::through(&points)?;
     let standard_uncertainty = if certain { 0.0 } else { 1.0 / line.spread.sqrt() };
     let found = Uncertain::normal(-line.slope, standard_uncertainty);
     found.value.is_finite().then_some(found)

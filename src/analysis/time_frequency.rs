@@ -1,9 +1,9 @@
 //! How a signal's spectrum changes with time: short pieces of it, one after the other.
 //!
 //! Piece `p` holds `segment` samples from sample `p hop` on; its time is that of its middle. A
-//! piece of `segment dt` seconds tells frequencies `1/(segment dt)` apart and times `segment dt`
-//! apart, and no choice of it gives both: their product is 1. Source: J. B. Allen, L. R. Rabiner,
-//! Proc. IEEE 65, 1558 (1977). Valid while the signal changes little within a piece.
+//! piece of `segment dt` seconds separates frequencies `1/(segment dt)` apart and times `segment
+//! dt` apart, and no choice of it gives both: their product is 1. Source: J. B. Allen, L. R.
+//! Rabiner, Proc. IEEE 65, 1558 (1977). Valid while the signal changes little within a piece.
 
 use super::gate::Gate;
 use super::spectrum::{Analyser, LARGEST_TRANSFORM, Spectrum, SpectrumError, SpectrumSettings};

@@ -12,9 +12,9 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
+use super::fourier::Fourier;
 use super::gate::Gate;
 use super::spectrum::Window;
 use crate::trace::Trace;
@@ -136,7 +136,7 @@ pub fn transfer(
     if count < 2 {
         return Err(TransferError::Single);
     }
-    let mut planner = RealFftPlanner::new();
+    let mut fourier = Fourier::default();
     let mut sums: Vec<(f64, f64, Complex<f64>)> = Vec::new();
     let mut axis: Option<(usize, f64)> = None;
     for (x, y) in pairs {
@@ -153,21 +153,16 @@ pub fn transfer(
             return Err(TransferError::TooShort { samples: length });
         }
         let weights: Vec<f64> = (0..length).map(|i| settings.window.weight(i, length)).collect();
-        let plan = planner.plan_fft_forward(length);
-        let spectrum = |values: &[f64]| {
+        let mut spectrum = |values: &[f64]| {
             let mean = values.iter().sum::<f64>() / length as f64;
             let mut input: Vec<f64> =
                 values.iter().zip(&weights).map(|(v, w)| (v - mean) * w).collect();
-            let mut output = plan.make_output_vec();
-            // Both lengths come from the plan: it has nothing to refuse.
-            if plan.process(&mut input, &mut output).is_err() {
-                output.clear();
-            }
-            output
+            fourier.forward(&mut input)
         };
         for segment in 0..settings.segments {
             let part = range.start + segment * length..range.start + (segment + 1) * length;
-            let of = |trace: &Trace| spectrum(trace.values.get(part.clone()).unwrap_or_default());
+            let mut of =
+                |trace: &Trace| spectrum(trace.values.get(part.clone()).unwrap_or_default());
             let (x, y) = (of(x), of(y));
             sums.resize(x.len(), (0.0, 0.0, Complex::default()));
             for (sum, (x, y)) in sums.iter_mut().zip(x.iter().zip(&y)) {

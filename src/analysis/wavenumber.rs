@@ -5,17 +5,18 @@
 //! `X(f, phi) = sum w_n w_t x_n(t) exp(-2 pi i f t + i phi n)`: a wave `cos(2 pi f t - phi n)`,
 //! which runs toward higher `n`, is a maximum at `phi`, one that comes back a maximum at `-phi`. At
 //! each frequency, `1/T` apart, the highest maximum of either direction is a line if it stands out
-//! of the whole plane. Frequencies are told apart at `1/T`, phases at `2 pi/cells`; Hann's window
+//! of the whole plane. Frequencies are separated at `1/T`, phases at `2 pi/cells`; Hann's window
 //! doubles both. Source: D. Alleyne, P. Cawley, J. Acoust. Soc. Am. 89, 1159 (1991). Valid for
 //! waves that fill many cells; where a signal decays over a few, as in a band gap, there is no
 //! wavenumber to be found.
 
 use std::f64::consts::{PI, TAU};
 
-use realfft::RealFftPlanner;
-use rustfft::num_complex::Complex;
+use realfft::num_complex::Complex;
 
+use super::fourier::Fourier;
 use super::spectrum::Window;
+use crate::numeric::roots::vertex;
 
 /// Phases looked at, in cells.
 const PADDING: usize = 8;
@@ -65,7 +66,7 @@ pub struct SpectralLine {
 pub struct SpectralLines {
     /// The waves, by frequency.
     pub lines: Vec<SpectralLine>,
-    /// Half of what frequencies must be apart to be told apart by the window (Hz).
+    /// Half of the least distance of frequencies that the window separates (Hz).
     pub frequency_resolution: f64,
     /// The same of phases (rad).
     pub phase_resolution: f64,
@@ -92,8 +93,9 @@ pub fn spectral_lines(
     if !rows.iter().all(|row| row.iter().all(|x| x.is_finite())) {
         return Err(WavenumberError::NotFinite);
     }
+    let mut fourier = Fourier::default();
     let spectra: Vec<Vec<Complex<f64>>> =
-        rows.iter().map(|row| over_time(&row[..samples])).collect();
+        rows.iter().map(|row| over_time(&row[..samples], &mut fourier)).collect();
     let (step, count) = (1.0 / (samples as f64 * interval), cells as f64);
     let places = PADDING * cells;
     let turns: Vec<Complex<f64>> =
@@ -125,16 +127,10 @@ fn share(part: usize, whole: usize) -> f64 {
 }
 
 /// A row's transform over time.
-fn over_time(row: &[f64]) -> Vec<Complex<f64>> {
+fn over_time(row: &[f64], fourier: &mut Fourier) -> Vec<Complex<f64>> {
     let weighted = |(i, x): (usize, &f64)| x * Window::Hann.weight(i, row.len());
     let mut input: Vec<f64> = row.iter().enumerate().map(weighted).collect();
-    let plan = RealFftPlanner::new().plan_fft_forward(input.len());
-    let mut output = plan.make_output_vec();
-    // Both lengths come from the plan: it has nothing to refuse.
-    if plan.process(&mut input, &mut output).is_err() {
-        output.clear();
-    }
-    output
+    fourier.forward(&mut input)
 }
 
 /// Moduli over the phase from cell to cell, `turns` the unit circle in equal parts.
@@ -164,8 +160,7 @@ fn highest_of(heights: &[f64], onward: bool) -> Option<(f64, f64)> {
         here > before && here >= after
     };
     let best = range.filter(is_peak).max_by(|a, b| heights[*a].total_cmp(&heights[*b]))?;
-    let [before, here, after] = around(best).map(|h| h.max(f64::MIN_POSITIVE).ln());
-    let bend = before - 2.0 * here + after;
-    let off = if bend < 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
+    let logarithms = around(best).map(|h| h.max(f64::MIN_POSITIVE).ln());
+    let off = vertex(logarithms).map_or(0.0, |(off, _)| off);
     Some((share(best, 1) + off, heights[best]))
 }

@@ -5,9 +5,9 @@ use clap::Args;
 
 use super::picture::PlotArguments;
 use super::progress::JobProgress;
+use crate::predict::{SampleOptions, UncertainPrediction, uncertain_prediction};
 use crate::report;
 use crate::scene::adjust::Adjustable;
-use crate::studies::uncertainty::{SampleOptions, UncertainPrediction, uncertain_prediction};
 
 /// Show how much each uncertain input contributes to the uncertainty of each prediction
 #[derive(Debug, Args)]

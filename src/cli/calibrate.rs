@@ -10,16 +10,17 @@ use super::AnswerIsNo;
 use super::acquire::one_shot;
 use super::input::TableArguments;
 use super::progress::JobProgress;
+use crate::calibrate::blind::coverage;
+use crate::calibrate::design::{Designer, TestDesign};
+use crate::calibrate::report::sensor_file;
+use crate::calibrate::{self, CalibrationReport};
 use crate::client::Address;
 use crate::files::{self, NewFolder};
-use crate::measurement::calibration::{self, Calibrated, sensor_file};
 use crate::recording::mcap;
 use crate::report::calibration::page;
 use crate::report::calibration_design::design_page;
 use crate::report::certificate::{certificate, pictures};
 use crate::scene::plan::{self, CalibrationPlan, lab};
-use crate::studies::momentum_test::coverage::coverage;
-use crate::studies::momentum_test::design::{Designer, TestDesign};
 
 /// Calibrate a sensor from the momentum of impacts: sensitivity, time constant, uncertainty budget,
 /// certificate
@@ -75,18 +76,18 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let Some(plan) = &arguments.plan else { return simulate(arguments) };
     let mut plan = plan::load(plan)?;
     acquire_impacts(&mut plan)?;
-    let found = calibration::run(&plan, &arguments.table.columns())?;
-    let refused = !found.report.contradictions.is_empty() && !arguments.force;
+    let found = calibrate::run(&plan, &arguments.table.columns())?;
+    let refused = !found.contradictions.is_empty() && !arguments.force;
     if let Some(folder) = arguments.output.as_ref().filter(|_| !refused) {
         write(folder, &found)?;
     }
     if arguments.json {
-        super::print(&serde_json::to_string_pretty(&found.report)?)?;
+        super::print(&serde_json::to_string_pretty(&found)?)?;
     } else {
-        super::print(&page(&found.report))?;
+        super::print(&page(&found))?;
     }
     if refused {
-        let wrong = found.report.contradictions.join("; ");
+        let wrong = found.contradictions.join("; ");
         eprintln!("refused, nothing is certified (--force certifies it all the same): {wrong}");
         return Err(AnswerIsNo.into());
     }
@@ -174,12 +175,11 @@ fn write_test(folder: &Path, designer: &Designer, best: &TestDesign) -> anyhow::
     Ok(folder.join("plan.toml"))
 }
 
-fn write(folder: &Path, found: &Calibrated) -> anyhow::Result<()> {
-    let report = &found.report;
-    let pictures = pictures(&found.calibration, report);
+fn write(folder: &Path, report: &CalibrationReport) -> anyhow::Result<()> {
+    let pictures = pictures(report);
     let (markdown, html) = certificate(report, &pictures);
     // A name is a name, no path.
-    let sensor = report.sensor.replace(['/', '\\'], "-");
+    let sensor = report.named.sensor.replace(['/', '\\'], "-");
     let files = [
         ("certificate.md".to_owned(), markdown),
         ("certificate.html".to_owned(), html),

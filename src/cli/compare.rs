@@ -11,18 +11,17 @@ use super::input::{Selection, TableArguments, assignment, shot};
 use super::overwrite::ending;
 use super::progress::JobProgress;
 use super::sensor::{SensorAssignment, wire_all, wired};
-use crate::experiment::accuracy::of_scene;
 use crate::experiment::{self, Integration, facts};
 use crate::files;
 use crate::measurement::compare::mapping::Assignment;
 use crate::measurement::compare::score_limits::ScoreLimits;
 use crate::measurement::compare::{Align, Compared, ComparedShot, compare};
+use crate::predict::{NormalisedError, judge, normalised_errors};
 use crate::recording::format::{Format, open_shot};
 use crate::recording::{TraceSet, mcap};
 use crate::report;
 use crate::report::document::{Part, html, markdown};
 use crate::scene::Scene;
-use crate::studies::uncertainty::{NormalisedError, judge, normalised_errors};
 
 /// Compare a measurement with a simulation: scores for each channel; exit code 1 where they exceed
 /// the tolerance
@@ -175,7 +174,7 @@ impl Simulation {
             return Ok(Self { set, shot: arguments.simulated_shot, scene: None });
         }
         let scene = Scene::load(&arguments.simulated)?;
-        let integration = Integration::Accuracy(of_scene(&scene)?.value);
+        let integration = Integration::Accuracy(scene.accuracy);
         let metadata = facts::facts(&scene, integration)?;
         let mut progress = JobProgress::new(&scene.name, arguments.quiet);
         let outcome = experiment::run(&scene, integration, 1, &mut |share| progress.at(share));

@@ -4,8 +4,8 @@ use clap::Args;
 use serde_json::json;
 
 use super::AnswerIsNo;
-use crate::chain::simd::{InstructionSet, VARIABLE};
-use crate::studies::doctor::{Check, examine};
+use super::installation::{Check, examine};
+use crate::motion::kernel::{InstructionSet, VARIABLE};
 
 /// Check the installation: shipped files, instruction sets of the processor, a run against an
 /// independent reference; exit code 1 if anything is wrong

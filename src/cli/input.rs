@@ -13,7 +13,7 @@ use crate::experiment::facts;
 use crate::measurement::compare::mapping::Assignment;
 use crate::measurement::force::count_gains;
 use crate::measurement::metadata::{self, RecordedDistance};
-use crate::quantity::coverage::NORMAL_95;
+use crate::numeric::intervals::NORMAL_95;
 use crate::quantity::{Dimension, Uncertain, parse};
 use crate::recording::format::{open_with, read_shot};
 use crate::recording::tek_csv::TableColumns;

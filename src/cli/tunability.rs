@@ -5,7 +5,6 @@ use std::sync::Mutex;
 
 use anyhow::anyhow;
 use clap::Args;
-use clap::builder::PossibleValuesParser;
 use serde_json::{Value, json};
 
 use super::picture::PlotArguments;
@@ -13,21 +12,23 @@ use super::progress::JobProgress;
 use crate::analysis::dispersion::DiatomicChain;
 use crate::quantity::{Dimension, parse};
 use crate::report;
-use crate::scene::Scene;
-use crate::studies::tunability::{TunedPoint, Tuning, TuningParameter, tune};
+use crate::scene::adjust::Adjustable;
+use crate::studies::tunability::{TunedNumber, TunedPoint, Tuning, tune};
 
 /// Bands of frequency that JSON tells of, each 500 Hz wide.
 const BANDS: usize = 40;
 
-/// Map pass bands and pulse speed over a chain's preload, masses, modulus and striker
+/// Map pass bands and pulse speed over a chain's preload, masses, moduli and striker, or any number
+/// of the scene
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// An included scene, or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
-    /// Parameter to tune [default: all that the scene has]
-    #[arg(long, value_name = "KNOB", value_delimiter = ',', value_parser = PossibleValuesParser::new(TuningParameter::ALL.map(TuningParameter::name)))]
-    knob: Vec<String>,
+    /// Number of the scene to vary, by its path as in a sweep, e.g. particles.ptfe_sphere.mass; `*`
+    /// varies all that it names by one ratio [default: preload, masses, moduli, striker]
+    #[arg(long, value_name = "PATH", value_delimiter = ',')]
+    vary: Vec<String>,
     /// Number of values of each parameter
     #[arg(long, value_name = "N", default_value_t = 33, value_parser = clap::value_parser!(u32).range(2..=1000))]
     points: u32,
@@ -54,17 +55,16 @@ fn span(text: &str) -> Result<f64, String> {
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     arguments.plot.check()?;
-    let scene = Scene::load(&arguments.scene)?;
-    let named = |knob: &TuningParameter| {
-        arguments.knob.is_empty() || arguments.knob.iter().any(|name| name == knob.name())
-    };
-    let knobs: Vec<TuningParameter> = if arguments.knob.is_empty() {
-        TuningParameter::of(&scene)
+    let mut adjustable = Adjustable::load(&arguments.scene)?;
+    let scene = adjustable.scene()?;
+    let numbers = if arguments.vary.is_empty() {
+        TunedNumber::defaults(&mut adjustable)?
     } else {
-        TuningParameter::ALL.into_iter().filter(named).collect()
+        let at = |path: &String| TunedNumber::at(&mut adjustable, path);
+        arguments.vary.iter().map(at).collect::<Result<_, _>>()?
     };
     let progress = Mutex::new(JobProgress::new(&scene.name, arguments.quiet));
-    let found = tune(&scene, &knobs, arguments.points, arguments.span, &|share| {
+    let found = tune(&adjustable, numbers, arguments.points, arguments.span, &|share| {
         if let Ok(mut progress) = progress.lock() {
             progress.at(share);
         }
@@ -76,7 +76,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.json {
         let tunings: Vec<Value> = found.iter().map(as_json).collect();
         super::print(&serde_json::to_string_pretty(
-            &json!({ "scene": scene.name, "knobs": tunings }),
+            &json!({ "scene": scene.name, "numbers": tunings }),
         )?)
     } else {
         super::print(&report::tunability(&title, &found))
@@ -84,18 +84,19 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 fn as_json(tuning: &Tuning) -> Value {
+    let number = &tuning.number;
     json!({
-        "knob": tuning.knob.name(),
-        "unit": tuning.knob.unit(),
-        "now": tuning.now,
-        "points": tuning.points.iter().map(point).collect::<Vec<_>>(),
+        "path": number.path,
+        "unit": number.unit,
+        "now": number.now() / number.scale,
+        "points": tuning.points.iter().map(|at| point(at, number.scale)).collect::<Vec<_>>(),
     })
 }
 
-fn point(point: &TunedPoint) -> Value {
+fn point(point: &TunedPoint, scale: f64) -> Value {
     let of = |value: fn(&DiatomicChain) -> f64| point.chain.map(|chain| value(&chain));
     json!({
-        "value": point.value,
+        "value": point.value / scale,
         "f1_hz": of(DiatomicChain::gap_bottom),
         "f2_hz": of(DiatomicChain::gap_top),
         "f3_hz": of(DiatomicChain::cutoff),

@@ -6,10 +6,9 @@ use rand_pcg::Pcg64;
 use serde::Serialize;
 
 use super::{FitError, FitOptions, FitReport, fit};
-use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, RunError, facts, run};
 use crate::measurement::compare::ComparedShot;
-use crate::quantity::coverage::NORMAL_95;
+use crate::numeric::statistics::Coverage;
 use crate::recording::TraceSet;
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
 
@@ -83,7 +82,7 @@ pub fn blind(
 ) -> Result<BlindFits, BlindError> {
     super::check(knobs)?;
     let mut hidden = Pcg64::new(u128::from(options.seed), BLIND_STREAM);
-    let mut pulls: Vec<Vec<f64>> = vec![Vec::new(); knobs.len()];
+    let mut coverages = vec![Coverage::default(); knobs.len()];
     let mut uncertainties = vec![0.0; knobs.len()];
     let (mut variance, mut runs, mut seconds, mut count) = (0.0, 0.0, 0.0, 0.0);
     let mut last = String::new();
@@ -99,7 +98,7 @@ pub fn blind(
             Ok(report) => {
                 for (place, (found, (_, truth))) in report.parameters.iter().zip(&truth).enumerate()
                 {
-                    pulls[place].push((found.value - truth) / found.u);
+                    coverages[place].add(found.value, found.expanded, *truth, found.u);
                     uncertainties[place] += found.u_relative;
                 }
                 variance += report.residual_variance;
@@ -117,9 +116,9 @@ pub fn blind(
     }
     let parameters: Vec<BlindParameter> = knobs
         .iter()
-        .zip(&pulls)
+        .zip(&coverages)
         .zip(&uncertainties)
-        .map(|((knob, pulls), sum)| parameter(knob, pulls, sum / count))
+        .map(|((knob, coverage), sum)| parameter(knob, coverage, sum / count))
         .collect();
     let whole: f64 = parameters.iter().map(|p| p.coverage_95).sum();
     let coverage_95 = whole / parameters.len() as f64;
@@ -136,16 +135,13 @@ pub fn blind(
     })
 }
 
-fn parameter(knob: &AdjustableNumber, pulls: &[f64], mean_u_relative: f64) -> BlindParameter {
-    let count = pulls.len() as f64;
-    let inside = pulls.iter().filter(|pull| pull.abs() <= NORMAL_95).count() as f64;
-    let mean = pulls.iter().sum::<f64>() / count;
-    let squares: f64 = pulls.iter().map(|pull| (pull - mean).powi(2)).sum();
+fn parameter(knob: &AdjustableNumber, coverage: &Coverage, mean_u_relative: f64) -> BlindParameter {
+    let errors = coverage.errors();
     BlindParameter {
         path: knob.path.clone(),
-        coverage_95: inside / count,
-        bias: mean,
-        spread: (squares / (count - 1.0).max(1.0)).sqrt(),
+        coverage_95: coverage.share(),
+        bias: errors.mean,
+        spread: if errors.count > 1 { errors.deviation } else { 0.0 },
         mean_u_relative,
     }
 }
@@ -159,7 +155,7 @@ fn one(
 ) -> Result<Result<FitReport, FitError>, BlindError> {
     let mut hiding = scene.with(truth).map_err(FitError::from)?;
     hiding.seed = options.seed.wrapping_add(u64::from(trial));
-    let integration = Integration::Accuracy(of_scene(&hiding)?.value);
+    let integration = Integration::Accuracy(hiding.accuracy);
     let shot = run(&hiding, integration, 1, &mut |_| ())?.shot;
     let metadata = facts::facts(&hiding, integration)?;
     let set = TraceSet { shots: vec![shot], metadata, ..TraceSet::default() };

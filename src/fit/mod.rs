@@ -35,7 +35,7 @@ use std::time::Instant;
 use crate::analysis::least_squares::{LeastSquaresError, Minimum};
 use crate::measurement::compare::ComparedShot;
 use crate::measurement::compare::mapping::Assignment;
-use crate::quantity::coverage::NORMAL_95;
+use crate::numeric::intervals::NORMAL_95;
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
 use model::TraceModel;
 use options::{EXPECTED_STEPS, MAX_DURATIONS, SAMPLE_RANGE, STOP_CRITERIA};
@@ -141,7 +141,7 @@ fn check_times(records: &Records, duration: f64) -> Result<(), FitError> {
     Ok(())
 }
 
-/// The parameter that cannot be told, and the one that it goes with most.
+/// The parameter that is not determined, and the one that it goes with most.
 fn undetermined(minimum: &Minimum, names: &[String], parameter: usize) -> FitError {
     let columns = &minimum.columns;
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();

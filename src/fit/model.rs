@@ -141,7 +141,7 @@ impl<'a> TraceModel<'a> {
         for (record, trace) in self.records.list.iter().zip(&traces) {
             let measured: Vec<f64> = record.volts.iter().map(|v| v - record.baseline).collect();
             let trace = &trace[1..trace.len() - 1];
-            let products = correlate(&measured, trace)?;
+            let products = correlate(&measured, trace);
             let mut inside = squares(&trace[..axis.count]);
             for (lag, cost) in cost.iter_mut().enumerate() {
                 *cost += (inside - 2.0 * products[lag]) / (record.sigma * record.sigma);

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::model::TraceModel;
 use crate::analysis::least_squares::{LeastSquaresProblem, Minimum, StopCriteria, minimise};
-use crate::quantity::coverage::NORMAL_95;
+use crate::numeric::intervals::NORMAL_95;
 use crate::scene::adjust::AdjustableNumber;
 
 /// Where the parameter is held, in standard deviations from the minimum (1).

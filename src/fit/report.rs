@@ -9,7 +9,7 @@ use super::records::{ChannelRecord, Records};
 use super::{FitOptions, Profile};
 use crate::analysis::least_squares::{Minimum, squares};
 use crate::measurement::compare::ComparedShot;
-use crate::quantity::coverage::NORMAL_95;
+use crate::numeric::intervals::NORMAL_95;
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
 
 /// A larger residual variance than this is no chance (1).
@@ -82,7 +82,7 @@ pub struct ChannelResult {
 pub struct FitReport {
     /// The measured recording.
     pub measured: String,
-    /// The fitted parameters.
+    /// The scene that was fitted.
     pub scene: String,
     /// The freed numbers.
     pub parameters: Vec<Parameter>,

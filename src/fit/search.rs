@@ -88,7 +88,7 @@ fn staged(model: &mut TraceModel<'_>, start: Vec<f64>) -> Result<Minimum, LeastS
     let mut x = start;
     for share in STAGE_SHARES {
         model.horizon = (share * count as f64) as usize;
-        // A part that tells too little is no reason to give up: the whole decides.
+        // A part may determine too little; the whole record decides.
         if let Ok(found) = minimise(model, &x, COARSE_CRITERIA) {
             x = found.x;
         }

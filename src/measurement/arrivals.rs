@@ -4,7 +4,7 @@
 use crate::quantity::Uncertain;
 use serde::Serialize;
 
-use super::metadata::{self, RecordedSensor};
+use super::metadata::{self, RecordedDistance, RecordedSensor};
 use crate::analysis::arrival::Estimator;
 use crate::analysis::correlation::delay;
 use crate::analysis::pulse::{Conditions, Pulse};
@@ -35,8 +35,8 @@ const DIFFERENT_SPEEDS: f64 = 0.1;
 pub struct Arrival {
     /// `half_rise`, `peak`, `ten_percent` or `maximum_slope`.
     pub estimator: &'static str,
-    /// Time after the trigger, which is known to a sample interval, seconds; none where it cannot
-    /// be told.
+    /// Time after the crossing of the trigger's level, which lies within the sample interval before
+    /// the record's zero, seconds; none if it is not determined.
     pub time_s: Option<Uncertain>,
 }
 
@@ -45,7 +45,7 @@ pub struct Arrival {
 pub struct ChannelArrivals {
     /// `CH1`.
     pub channel: String,
-    /// Name of the sensor, where the recording tells.
+    /// Name of the sensor, if the recording states it.
     pub sensor: Option<String>,
     /// Whether the sensor's droop was undone; arrivals of a drooping signal are off by more than is
     /// stated.
@@ -56,7 +56,7 @@ pub struct ChannelArrivals {
     pub noise_v: Option<f64>,
     /// Height of the first peak, volts.
     pub height_v: Option<Uncertain>,
-    /// The same as a force, newtons, where the sensitivity is told.
+    /// The same as a force, newtons, if the sensitivity is known.
     pub height_n: Option<Uncertain>,
     /// Full width at half of the first peak, seconds.
     pub width_s: Option<Uncertain>,
@@ -119,78 +119,127 @@ pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
     let sensors = metadata::sensors_of(set, shot.number);
     let distances = metadata::distances(set);
     let mut notes = Vec::new();
-    let scene = match metadata::scene_of(set, shot.number) {
-        Some(Ok(scene)) => Some(scene),
+    let scene = scene(set, shot, &distances, &mut notes);
+    let read: Vec<ReadChannel<'_>> =
+        shot.captures.iter().map(|capture| ReadChannel::new(capture, &sensors)).collect();
+    notes.extend(read.iter().flat_map(|channel| channel.notes(scene.as_ref())));
+    notes.extend(unknown_facts(&read));
+    let mut placed: Vec<PlacedPulse<'_>> = read.iter().filter_map(ReadChannel::placed).collect();
+    sort_down(&mut placed, |placed| placed.place);
+    let mut speeds = measured_speeds(&distances, &read);
+    let of_scene = scene.as_ref().map(|scene| scene_speeds(scene, &placed, &distances));
+    speeds.extend(of_scene.into_iter().flatten());
+    notes.extend(changes_of_shape(&speeds));
+    let decays = scene.as_ref().map_or_else(Vec::new, |scene| decays(scene, &placed));
+    let channels = read.into_iter().map(|channel| channel.arrivals).collect();
+    Survey { shot: shot.number, speeds, decays, channels, notes }
+}
+
+/// The scene of `shot`, or a note why distances are not known.
+fn scene(
+    set: &TraceSet,
+    shot: &Shot,
+    distances: &[RecordedDistance],
+    notes: &mut Vec<String>,
+) -> Option<Scene> {
+    match metadata::scene_of(set, shot.number) {
+        Some(Ok(scene)) => return Some(scene),
         Some(Err(error)) => {
             notes.push(format!("no distances: the recording's scene cannot be read: {error}"));
-            None
         }
-        None => {
-            if distances.is_empty() {
-                notes.push(NO_DISTANCES.to_owned());
-            }
-            None
-        }
-    };
-    let mut channels = Vec::new();
-    let (mut placed, mut pulses) = (Vec::new(), Vec::new());
-    for capture in &shot.captures {
+        None if distances.is_empty() => notes.push(NO_DISTANCES.to_owned()),
+        None => {}
+    }
+    None
+}
+
+/// A channel with its sensor and its first pulse.
+struct ReadChannel<'a> {
+    arrivals: ChannelArrivals,
+    sensor: Option<&'a RecordedSensor>,
+    pulse: Option<Pulse>,
+    is_over_time: bool,
+}
+
+/// A pulse and the place of its sensor.
+struct PlacedPulse<'a> {
+    channel: &'a str,
+    place: PlatePlace,
+    pulse: &'a Pulse,
+    force: Option<Uncertain>,
+}
+
+impl<'a> ReadChannel<'a> {
+    fn new(capture: &Capture, sensors: &'a [RecordedSensor]) -> Self {
         let name = capture.waveform.source.to_string();
         let sensor = sensors.iter().find(|sensor| sensor.channel.as_ref() == Some(&name));
-        notes.extend(sensor.and_then(RecordedSensor::gain_note));
-        notes
-            .extend(sensor.zip(scene.as_ref()).and_then(|(sensor, scene)| sensor.host_note(scene)));
-        let (channel, pulse) = channel(capture, sensor);
-        channels.push(channel);
-        pulses.extend(pulse.clone().map(|pulse| (name.clone(), pulse)));
-        if let (Some(pulse), Some(place)) = (pulse, sensor.and_then(|sensor| sensor.place)) {
-            placed.push(PlacedPulse { channel: name, place, pulse });
-        }
+        let (arrivals, pulse) = channel(capture, sensor);
+        let is_over_time = capture.waveform.preamble.x_unit == "s";
+        Self { arrivals, sensor, pulse, is_over_time }
     }
-    let unknown = |channel: &&ChannelArrivals| {
-        let is_known = |s: &RecordedSensor| s.sensitivity_u.is_some();
-        let sensor =
-            sensors.iter().find(|sensor| sensor.channel.as_ref() == Some(&channel.channel));
-        channel.height_n.is_some() && !sensor.is_some_and(is_known)
+
+    /// What its sensor's gain and host add.
+    fn notes(&self, scene: Option<&Scene>) -> Vec<String> {
+        let Some(sensor) = self.sensor else { return Vec::new() };
+        let host = scene.and_then(|scene| sensor.host_note(scene));
+        sensor.gain_note().into_iter().chain(host).collect()
+    }
+
+    fn placed(&self) -> Option<PlacedPulse<'_>> {
+        let channel = self.arrivals.channel.as_str();
+        let (pulse, force) = (self.pulse.as_ref()?, self.arrivals.height_n);
+        Some(PlacedPulse { channel, place: self.sensor?.place?, pulse, force })
+    }
+}
+
+/// Notes on sensitivities without uncertainty, and on time constants that are not known.
+fn unknown_facts(read: &[ReadChannel<'_>]) -> Vec<String> {
+    let is_unknown = |channel: &&ReadChannel<'_>| {
+        let is_known = channel.sensor.is_some_and(|sensor| sensor.sensitivity_u.is_some());
+        channel.arrivals.height_n.is_some() && !is_known
     };
     let unknown: Vec<&str> =
-        channels.iter().filter(unknown).map(|channel| channel.channel.as_str()).collect();
+        read.iter().filter(is_unknown).map(|channel| channel.arrivals.channel.as_str()).collect();
+    let mut notes = Vec::new();
     if !unknown.is_empty() {
         notes.push(sensitivities_unknown(&unknown));
     }
-    let over_time = |capture: &Capture| capture.waveform.preamble.x_unit == "s";
-    let mut of_time = channels.iter().zip(&shot.captures).filter(|(_, c)| over_time(c));
-    if of_time.any(|(channel, _)| !channel.droop_undone) {
+    if read.iter().any(|channel| channel.is_over_time && !channel.arrivals.droop_undone) {
         notes.push(
             "a sensor's time constant is not known: its droop moves arrivals by more than is stated"
                 .to_owned(),
         );
     }
-    sort_down(&mut placed, |placed| placed.place);
+    notes
+}
+
+/// Speeds over distances that the recording states.
+fn measured_speeds(distances: &[RecordedDistance], read: &[ReadChannel<'_>]) -> Vec<SpeedBetween> {
     let pulse =
-        |channel: &str| pulses.iter().find(|(name, _)| name == channel).map(|(_, pulse)| pulse);
-    let measured = distances.iter().filter_map(|known| {
-        let pair =
-            ((known.from.as_str(), pulse(&known.from)?), (known.to.as_str(), pulse(&known.to)?));
-        Some(between(known.distance, pair.0, pair.1))
-    });
+        |channel: &str| read.iter().find(|read| read.arrivals.channel == channel)?.pulse.as_ref();
+    let speeds = |known: &RecordedDistance| {
+        let start = (known.from.as_str(), pulse(&known.from)?);
+        Some(between(known.distance, start, (known.to.as_str(), pulse(&known.to)?)))
+    };
+    distances.iter().filter_map(speeds).flatten().collect()
+}
+
+/// Speeds between neighbouring sensors by the scene's distances, where the recording states none.
+fn scene_speeds(
+    scene: &Scene,
+    placed: &[PlacedPulse<'_>],
+    distances: &[RecordedDistance],
+) -> Vec<SpeedBetween> {
     let is_measured = |a: &str, b: &str| {
         distances.iter().any(|d| (d.from == a && d.to == b) || (d.from == b && d.to == a))
     };
-    let of_scene = scene.iter().flat_map(|scene| {
-        neighbours(&placed, |placed| placed.place).into_iter().filter_map(|(a, b)| {
-            let (a, b) = (&placed[a], &placed[b]);
-            let (value, u) = scene
-                .distance(a.place, b.place)
-                .filter(|_| !is_measured(&a.channel, &b.channel))?;
-            let distance = Uncertain::normal(value, u);
-            Some(between(distance, (&a.channel, &a.pulse), (&b.channel, &b.pulse)))
-        })
-    });
-    let speeds: Vec<SpeedBetween> = measured.chain(of_scene).flatten().collect();
-    notes.extend(changes_of_shape(&speeds));
-    let decays = scene.as_ref().map_or_else(Vec::new, |scene| decays(scene, &placed, &channels));
-    Survey { shot: shot.number, speeds, decays, channels, notes }
+    let speeds = |(a, b): (usize, usize)| {
+        let (a, b) = (&placed[a], &placed[b]);
+        let (value, u) =
+            scene.distance(a.place, b.place).filter(|_| !is_measured(a.channel, b.channel))?;
+        Some(between(Uncertain::normal(value, u), (a.channel, a.pulse), (b.channel, b.pulse)))
+    };
+    neighbours(placed, |placed| placed.place).into_iter().filter_map(speeds).flatten().collect()
 }
 
 /// Notes on pairs of channels between which estimators disagree by more than their uncertainties.
@@ -217,26 +266,23 @@ fn changes_of_shape(speeds: &[SpeedBetween]) -> Vec<String> {
 
 /// Decays of the first peak from each sensor to the next in a host of the same kind, of sensors
 /// sorted from the top.
-fn decays(scene: &Scene, placed: &[PlacedPulse], channels: &[ChannelArrivals]) -> Vec<Decay> {
-    let kind = |placed: &PlacedPulse| {
+fn decays(scene: &Scene, placed: &[PlacedPulse<'_>]) -> Vec<Decay> {
+    let kind = |placed: &PlacedPulse<'_>| {
         let Site::Particle(particle) = placed.place.site else { return None };
         let chain = &scene.chain;
         Some(chain.bodies().get(chain.body_of(particle))?.name.clone())
     };
-    let decay = |(index, b): (usize, &PlacedPulse)| {
+    let decay = |(index, b): (usize, &PlacedPulse<'_>)| {
         let of_kind = kind(b)?;
-        let is_like =
-            |a: &&PlacedPulse| a.place.site != b.place.site && kind(a).as_ref() == Some(&of_kind);
-        let a = placed[..index].iter().rev().find(is_like)?;
-        let height = |placed: &PlacedPulse| {
-            channels.iter().find(|channel| channel.channel == placed.channel)?.height_n
+        let is_like = |a: &&PlacedPulse<'_>| {
+            a.place.site != b.place.site && kind(a).as_ref() == Some(&of_kind)
         };
-        let (here, there) = (height(a)?, height(b)?);
-        let ratio = there.over(here);
+        let a = placed[..index].iter().rev().find(is_like)?;
+        let ratio = b.force?.over(a.force?);
         let (distance, _) = scene.distance(a.place, b.place)?;
         Some(Decay {
-            from: a.channel.clone(),
-            to: b.channel.clone(),
+            from: a.channel.to_owned(),
+            to: b.channel.to_owned(),
             ratio,
             per_metre: Some(-ratio.value.ln() / distance).filter(|rate| rate.is_finite()),
         })
@@ -266,13 +312,6 @@ pub(super) fn neighbours<T>(
         lower.map(move |lower| (upper, lower)).collect::<Vec<_>>()
     };
     (0..sensors.len()).flat_map(below).collect()
-}
-
-/// A pulse and where it was felt.
-struct PlacedPulse {
-    channel: String,
-    place: PlatePlace,
-    pulse: Pulse,
 }
 
 /// The first pulse of `capture`, with the droop of `time_constant` (s) undone; or why it has
@@ -316,12 +355,12 @@ fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArriva
         Uncertain { value, u, half_width }
     });
     // The signal crossed the trigger's level somewhere in the sample interval before the record's
-    // zero.
-    let interval = capture.waveform.preamble.x_incr;
+    // zero: on average half an interval before it, evenly distributed within that.
+    let half = 0.5 * capture.waveform.preamble.x_incr;
     let after_trigger = |time: Uncertain| Uncertain {
-        u: time.u.hypot(interval / 3f64.sqrt()),
-        half_width: interval,
-        ..time
+        value: time.value + half,
+        u: time.u.hypot(half / 3f64.sqrt()),
+        half_width: half,
     };
     let arrival = |estimator: Estimator| Arrival {
         estimator: estimator.key(),
@@ -343,7 +382,7 @@ fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArriva
     (channel, pulse)
 }
 
-/// Speeds over `distance` (m) from one channel to another by every estimator that tells both
+/// Speeds over `distance` (m) from one channel to another by every estimator that finds both
 /// arrivals, and by cross-correlation.
 fn between(
     distance: Uncertain,

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use super::metadata::{self, RecordedSensor};
 use crate::analysis::droop::{error_gain, undo_droop_from};
 use crate::analysis::pulse::{Conditions, Pulse, PulseError};
-use crate::quantity::coverage::expanded_95;
+use crate::numeric::intervals::expanded_95;
 use crate::recording::{Capture, Shot, TraceSet};
 use crate::scene::{Scene, SceneError, gain_u, input_load};
 use crate::scope::{ChannelSetup, Deviation, VerticalSetup};

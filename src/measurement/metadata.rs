@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::analysis::dispersion::DiatomicChain;
+use crate::chain::Body;
 use crate::quantity::Uncertain;
 use crate::quantity::engineering;
 use crate::recording::TraceSet;
@@ -19,7 +20,7 @@ pub struct RecordedSensor {
     pub name: String,
     /// Channel it was wired to, `CH1`.
     pub channel: Option<String>,
-    /// Where its plate sat, where that is told.
+    /// Place of its plate, if known.
     pub place: Option<PlatePlace>,
     /// Voltage per force before any droop (V/N).
     pub sensitivity: Option<f64>,
@@ -34,7 +35,7 @@ pub struct RecordedSensor {
     pub time_constant: Option<f64>,
     /// Relative standard uncertainty of the time constant, where the sensor was calibrated (1).
     pub time_constant_u: Option<f64>,
-    /// Kind of the particle in which it was calibrated, where that is told.
+    /// Kind of the particle in which it was calibrated, if known.
     pub calibrated_host: Option<String>,
 }
 
@@ -177,7 +178,7 @@ impl RecordedSensor {
         })
     }
 
-    /// Its host, where that is told.
+    /// Its host, if known.
     pub fn site(&self) -> Option<Site> {
         self.place.map(|place| place.site)
     }
@@ -238,20 +239,39 @@ pub fn cell_and_force(scene: &Scene, site: Site) -> Option<(DiatomicChain, f64)>
         (first.repeats_after(second, third) && upper >= 1 && upper + 2 <= last).then_some(upper)
     };
     let upper = is_cell(particle).or_else(|| is_cell(particle.checked_sub(2)?))?;
-    let (here, mut other) = (body(upper)?, body(upper + 1)?);
-    if here.name == other.name {
-        // Of equal particles those with sensors may be heavier.
-        other = here;
-    }
+    // A sensor makes its host heavier: the chain's period has the masses of particles without one.
+    let mass = |particle: usize| {
+        mass_without_sensor(scene, particle).or_else(|| body(particle).map(|body| body.mass))
+    };
+    let here = mass(upper)?;
+    let other = if body(upper)?.name == body(upper + 1)?.name { here } else { mass(upper + 1)? };
     let contact = chain.contacts().get(chain.body_of(upper) + 1)?;
     let stiffness = contact.static_stiffness();
     let cell = DiatomicChain {
-        light_mass: here.mass.min(other.mass),
-        heavy_mass: here.mass.max(other.mass),
+        light_mass: here.min(other),
+        heavy_mass: here.max(other),
         stiffness,
         cell: chain.distance(upper, upper + 2),
     };
     (stiffness > 0.0).then_some((cell, contact.static_force))
+}
+
+/// Mass that `particle` would have without a sensor: that of the nearest particle in size, then in
+/// place, of its kind that hosts none, scaled to its length; none if all of them host one (kg).
+pub fn mass_without_sensor(scene: &Scene, particle: usize) -> Option<f64> {
+    let chain = &scene.chain;
+    let body = |p: usize| chain.bodies().get(chain.body_of(p));
+    let host = body(particle)?;
+    let is_bare = |p: usize| scene.sensors.iter().all(|s| s.site != Site::Particle(p));
+    let distance =
+        |(p, bare): &(usize, &Body)| ((bare.length / host.length).ln().abs(), p.abs_diff(particle));
+    let same_kind = (1..=chain.particles()).filter_map(|p| Some((p, body(p)?)));
+    let bare = same_kind.filter(|(p, bare)| bare.name == host.name && is_bare(*p));
+    let (_, bare) = bare.min_by(|a, b| {
+        let ((size_a, place_a), (size_b, place_b)) = (distance(a), distance(b));
+        size_a.total_cmp(&size_b).then(place_a.cmp(&place_b))
+    })?;
+    Some(bare.mass * (host.length / bare.length).powi(3))
 }
 
 /// Every second contact of the periodic part of `scene`'s chain around `particle`, one a cell, from

@@ -11,8 +11,8 @@
 use serde::Serialize;
 
 use super::arrivals::{ChannelArrivals, Survey};
-use crate::numeric::statistics::StraightLine;
-use crate::quantity::coverage::student_95;
+use crate::numeric::intervals::student_95;
+use crate::numeric::statistics::{Moments, StraightLine};
 
 /// Repeatability limit over standard deviation: 1.96 times the square root of two (1).
 const REPEATABILITY_FACTOR: f64 = 2.8;
@@ -139,22 +139,21 @@ fn add(
 }
 
 fn completed(statistic: ShotStatistic, values: &[(f64, f64)]) -> ShotStatistic {
-    let n = values.len() as f64;
+    let numbers: Vec<f64> = values.iter().map(|(_, x)| *x).collect();
     let weighted: Vec<(f64, f64, f64)> = values.iter().map(|(i, x)| (*i, *x, 1.0)).collect();
-    let line = StraightLine::through(&weighted);
-    let value = line.mean.1;
-    let squares: f64 = values.iter().map(|(_, x)| (x - value).powi(2)).sum();
-    let deviation = (values.len() > 1).then(|| (squares / (n - 1.0)).sqrt());
-    let trend = (values.len() > 2).then(|| {
+    let moments = Moments::of(&numbers);
+    let repeated = (values.len() > 1).then_some(moments);
+    let line = StraightLine::through(&weighted).filter(|_| values.len() > 2);
+    let trend = line.map(|line| {
         let u = line.slope_u(values.len());
-        ShotTrend { value: line.slope, u, expanded: student_95(n - 2.0) * u }
+        ShotTrend { value: line.slope, u, expanded: student_95(values.len() as f64 - 2.0) * u }
     });
     ShotStatistic {
         shots: values.len(),
-        mean: value,
-        standard_deviation: deviation,
-        mean_u: deviation.map(|deviation| deviation / n.sqrt()),
-        repeatability: deviation.map(|deviation| REPEATABILITY_FACTOR * deviation),
+        mean: moments.mean,
+        standard_deviation: repeated.map(|moments| moments.deviation),
+        mean_u: repeated.map(|moments| moments.mean_u()),
+        repeatability: repeated.map(|moments| REPEATABILITY_FACTOR * moments.deviation),
         trend,
         ..statistic
     }

@@ -10,7 +10,7 @@ const SMALLEST_PIVOT: f64 = 1e-9;
 
 /// Data do not determine a parameter beside those before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("found a parameter, number {parameter} from 0, that changes nothing the others cannot")]
+#[error("parameter {parameter} (from 0) is linearly dependent on the others: fix it, or add data")]
 pub struct Undetermined {
     /// Its place, from 0.
     pub parameter: usize,

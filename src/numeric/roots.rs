@@ -14,14 +14,14 @@ pub fn root(
     }
     let mut side = 0_i8;
     for count in 0..120_u8 {
-        // Of the step's length, too: where `at_low` was told of another polynomial the root may be
-        // at the very start.
+        // Of the step's length, too: if `at_low` comes from the previous step's polynomial, the
+        // root may lie at `low`.
         let smallest = f64::EPSILON * high.max(f64::EPSILON);
         if at_low == 0.0 || high - low <= smallest {
             return low;
         }
         let falsi = (low * at_high - high * at_low) / (at_high - at_low);
-        // Never nearer to an end than it can be told from it, so that the other end follows once
+        // Never nearer to an end than rounding distinguishes, so that the other end follows once
         // one has arrived.
         let falsi = falsi.max(low + smallest).min(high - smallest);
         let inside = falsi > low && falsi < high && count < 60;
@@ -32,21 +32,30 @@ pub fn root(
             return middle;
         }
         if (value > 0.0) == (at_low > 0.0) {
-            at_high *= if side == -1 { less(value / at_low) } else { 1.0 };
+            at_high *= if side == -1 { shrink_factor(value / at_low) } else { 1.0 };
             (low, at_low, side) = (middle, value, -1);
         } else {
-            at_low *= if side == 1 { less(value / at_high) } else { 1.0 };
+            at_low *= if side == 1 { shrink_factor(value / at_high) } else { 1.0 };
             (high, at_high, side) = (middle, value, 1);
         }
     }
     0.5 * (low + high)
 }
 
-/// How much less an end counts when the other has moved again, to this share of its value: as if a
-/// parabola went through all three, but not so little that the next place would be at this very end
+/// Factor on an end's value when the other end has moved again, to this share of its value: as if a
+/// parabola went through all three, but not so small that the next place would be this very end
 /// (1).
-fn less(share: f64) -> f64 {
+fn shrink_factor(share: f64) -> f64 {
     (1.0 - share).max(0.25)
+}
+
+/// The top of the parabola through three values at -1, 0 and 1, the middle one no lower than the
+/// others: its place (1) and height (unit). None where the three lie on a line or open upward.
+pub fn vertex([before, here, after]: [f64; 3]) -> Option<(f64, f64)> {
+    let curvature = before - 2.0 * here + after;
+    let place = 0.5 * (before - after) / curvature;
+    let is_top = curvature < 0.0 && place.is_finite();
+    is_top.then(|| (place, here - 0.25 * (before - after) * place))
 }
 
 /// The minimum of `cost` between two places, to a width of `step`, by golden sections: J. Kiefer,

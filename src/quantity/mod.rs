@@ -8,7 +8,6 @@
 //! oscilloscope's division. Exponents are counted in halves, because a Hertz contact's stiffness
 //! has the unit N/m^1.5.
 
-pub mod coverage;
 mod dimension;
 mod error;
 mod printable;
@@ -20,7 +19,7 @@ pub use printable::{printable, printable_line};
 
 use std::fmt;
 
-use coverage::expanded_95;
+use crate::numeric::intervals::expanded_95;
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
 /// A number with its standard uncertainty; JSON has `value`, `u`, and `U95`, the expanded
@@ -45,6 +44,13 @@ impl Uncertain {
     /// Expanded uncertainty for 95 % of a quantity whose standard uncertainty is known well (unit).
     pub fn expanded(self) -> f64 {
         expanded_95(self.u, self.half_width)
+    }
+
+    /// True if both numbers are finite and the standard uncertainty is no larger than the value:
+    /// beyond that a measurement says nothing of the quantity, and propagation of uncertainty does
+    /// not hold.
+    pub fn is_known(self) -> bool {
+        self.value.is_finite() && self.u >= 0.0 && self.u <= self.value.abs()
     }
 
     /// This over another, independent of it.

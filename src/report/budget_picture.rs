@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use super::escape;
 use super::sheet::COLOURS;
 use super::uncertainty::interval;
-use crate::studies::uncertainty::{OutputInterval, UncertainPrediction};
+use crate::predict::{OutputInterval, UncertainPrediction};
 
 /// Width of a whole bar, and of the words behind it (pixels).
 const WIDTHS: (f64, f64) = (420.0, 150.0);
@@ -88,8 +88,8 @@ pub fn budget_picture(found: &UncertainPrediction) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::predict::InputShare;
     use crate::scene::random_inputs::RandomInput;
-    use crate::studies::uncertainty::InputShare;
 
     /// Half, a quarter, and a quarter that is not linear: a whole bar.
     #[test]

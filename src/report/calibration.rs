@@ -2,8 +2,7 @@
 
 use super::number::with_expanded;
 use super::table;
-use crate::measurement::calibration::CalibrationReport;
-use crate::measurement::calibration::words::ImpactReport;
+use crate::calibrate::{CalibrationReport, ImpactResult};
 use crate::quantity::engineering;
 
 /// Inputs with a smaller share of the variance than this are one line of the page together (1).
@@ -30,24 +29,27 @@ pub(super) fn or_not_stated(text: Option<&String>) -> String {
 
 /// Both intervals, by draws and by propagation, and whether they agree.
 fn monte_carlo(report: &CalibrationReport) -> Vec<[String; 2]> {
-    let Some(drawn) = &report.monte_carlo else { return Vec::new() };
+    let Some(drawn) = &report.result.monte_carlo else { return Vec::new() };
     let row = |what: &str, number: String| [what.to_owned(), number];
     let shown = |s: f64| engineering(s, "V/N", 6);
     let ends = |[low, high]: [f64; 2]| format!("{} to {}", shown(low), shown(high));
-    let drawn_ends = ends(drawn.interval_95_v_per_n);
-    let propagated = ends(drawn.propagated_95_v_per_n);
-    let verdict = if drawn.agrees_with_gum { "agree" } else { "DISAGREE" };
-    let [apart, tolerance] = [drawn.difference_v_per_n, drawn.tolerance_v_per_n]
-        .map(|volts| engineering(volts, "V/N", 2));
+    let drawn_ends = ends(drawn.interval_95);
+    let propagated = ends(drawn.propagated_95);
+    let verdict = if drawn.agrees { "agree" } else { "DISAGREE" };
+    let [apart, tolerance] =
+        [drawn.difference, drawn.tolerance].map(|volts| engineering(volts, "V/N", 2));
     let criterion = "(JCGM 101, 7.9.2 and 8)";
     let mut rows = vec![
         row("Monte Carlo", format!("95 % of {} draws: {drawn_ends}", drawn.draws)),
         row("propagation", format!("of the same inputs: {propagated}")),
         row("", format!("the ends {verdict}: {apart} apart, tolerance {tolerance} {criterion}")),
     ];
-    let [low, high] = drawn.propagated_95_v_per_n;
-    if 2.0 * report.expanded_v_per_n > WIDER_FACTOR * (high - low) {
-        let factor = report.coverage_factor;
+    let [low, high] = drawn.propagated_95;
+    if !drawn.agrees {
+        let rule = "propagation does not hold: the certified interval reaches the farther end of the drawn one (JCGM 101, 8.2)";
+        rows.push(row("", rule.to_owned()));
+    } else if 2.0 * report.result.expanded > WIDER_FACTOR * (high - low) {
+        let factor = report.result.coverage_factor;
         let wider = format!("the certified interval is wider by Student's t (k = {factor:.2})");
         rows.push(row("", wider));
     }
@@ -56,46 +58,46 @@ fn monte_carlo(report: &CalibrationReport) -> Vec<[String; 2]> {
 
 /// The result, line by line: what it is, and the number.
 pub(super) fn results(report: &CalibrationReport) -> Vec<[String; 2]> {
-    let s = report.sensitivity_v_per_n;
+    let s = report.result.sensitivity;
+    let freedom = Some(report.result.freedom).filter(|nu| nu.is_finite());
+    let freedom = freedom.map_or_else(String::new, |nu| format!(", {nu:.1} degrees of freedom"));
     let row = |what: &str, number: String| [what.to_owned(), number];
     let mut rows = vec![
         row(
             "sensitivity S",
             format!(
                 "{}, {} of it (k = {:.2}{})",
-                with_expanded(s, report.expanded_v_per_n, "V/N"),
-                percent(report.expanded_relative),
-                report.coverage_factor,
-                report
-                    .effective_degrees_of_freedom
-                    .map_or_else(String::new, |nu| format!(", {nu:.1} degrees of freedom"))
+                with_expanded(s, report.result.expanded, "V/N"),
+                percent(report.result.expanded_relative),
+                report.result.coverage_factor,
+                freedom
             ),
         ),
         row(
             "time constant tau",
             format!(
                 "{}, {}",
-                with_expanded(report.tau_s, report.tau_expanded_s, "s"),
-                report.tau_source
+                with_expanded(report.result.tau, report.result.tau_expanded, "s"),
+                if report.result.tau_fitted { "read off the records" } else { "given" }
             ),
         ),
         row(
             "force range",
             format!(
                 "{} to {}, {} levels",
-                engineering(report.force_range_n[0], "N", 3),
-                engineering(report.force_range_n[1], "N", 3),
-                report.levels
+                engineering(report.result.force_range[0], "N", 3),
+                engineering(report.result.force_range[1], "N", 3),
+                report.result.levels
             ),
         ),
     ];
-    if let (Some(change), Some(u)) = (report.nonlinearity, report.nonlinearity_expanded) {
+    if let Some(line) = report.result.nonlinearity {
         rows.push(row(
             "non-linearity",
             format!(
                 "{:+.2} % ± {:.2} % from the lowest to the highest force",
-                100.0 * change,
-                100.0 * u
+                100.0 * line.change,
+                100.0 * line.expanded
             ),
         ));
     }
@@ -103,7 +105,7 @@ pub(super) fn results(report: &CalibrationReport) -> Vec<[String; 2]> {
         "Birge ratio",
         format!(
             "{:.2}: scatter of the impacts over what their uncertainties explain; enlarges u where above 1",
-            report.birge_ratio
+            report.result.birge_ratio
         ),
     ));
     rows.extend(monte_carlo(report));
@@ -111,8 +113,8 @@ pub(super) fn results(report: &CalibrationReport) -> Vec<[String; 2]> {
         "raw voltage",
         format!(
             "its integral would give {}, {:+.1} %: droop ignored",
-            engineering(report.naive_v_per_n, "V/N", 4),
-            100.0 * (report.naive_v_per_n / s - 1.0)
+            engineering(report.result.naive, "V/N", 4),
+            100.0 * (report.result.naive / s - 1.0)
         ),
     ));
     rows
@@ -123,21 +125,21 @@ pub(super) fn impact_rows(report: &CalibrationReport) -> Vec<Vec<String>> {
     let number = |value: Option<f64>, unit: &str, digits| {
         value.map_or("-".to_owned(), |value| engineering(value, unit, digits))
     };
-    let row = |impact: &ImpactReport| {
-        let own = impact.own_u_v_per_n.zip(impact.sensitivity_v_per_n);
+    let row = |impact: &ImpactResult| {
+        let own = impact.own_uncertainty.zip(impact.sensitivity);
         vec![
             format!("{}{}", impact.number, if impact.used { "" } else { " left out" }),
             impact.striker.clone(),
-            number(impact.peak_force_n, "N", 4),
-            number(impact.duration_s, "s", 3),
-            number(impact.momentum_n_s, "N*s", 4),
-            number(impact.sensitivity_v_per_n, "V/N", 5),
+            number(impact.peak_force, "N", 4),
+            number(impact.impact.as_ref().map(|i| i.duration), "s", 3),
+            number(impact.momentum, "N*s", 4),
+            number(impact.sensitivity, "V/N", 5),
             own.map_or("-".to_owned(), |(u, s)| percent(u / s)),
-            number(impact.naive_v_per_n, "V/N", 4),
+            number(impact.naive, "V/N", 4),
         ]
     };
     std::iter::once(heading.map(str::to_owned).to_vec())
-        .chain(report.impacts.iter().map(row))
+        .chain(report.result.impacts.iter().map(row))
         .collect()
 }
 
@@ -147,7 +149,7 @@ pub(super) fn budget_rows(report: &CalibrationReport) -> Vec<Vec<String>> {
         ["input", "estimate", "standard uncertainty", "in S", "share"].map(str::to_owned).to_vec(),
     ];
     let (mut count, mut rest) = (0, 0.0);
-    let mut lines: Vec<_> = report.budget.iter().collect();
+    let mut lines: Vec<_> = report.result.budget.iter().collect();
     lines.sort_by(|a, b| b.share.total_cmp(&a.share));
     for line in lines {
         if line.share < SHOWN_SHARE {
@@ -156,10 +158,10 @@ pub(super) fn budget_rows(report: &CalibrationReport) -> Vec<Vec<String>> {
             continue;
         }
         rows.push(vec![
-            line.input.clone(),
-            in_unit(line.value, &line.unit, 5),
-            in_unit(line.u, &line.unit, 3),
-            engineering(line.contribution_v_per_n.abs(), "V/N", 3),
+            line.name.clone(),
+            in_unit(line.value, line.unit, 5),
+            in_unit(line.u, line.unit, 3),
+            engineering(line.contribution.abs(), "V/N", 3),
             percent(line.share),
         ]);
     }
@@ -171,16 +173,16 @@ pub(super) fn budget_rows(report: &CalibrationReport) -> Vec<Vec<String>> {
 }
 
 pub(super) fn exclusions(report: &CalibrationReport) -> Vec<String> {
-    let line = |impact: &ImpactReport| {
-        let why = impact.excluded.as_ref()?;
-        Some(format!("impact {} ({}) is left out: {why}", impact.number, impact.evidence.recording))
+    let line = |impact: &ImpactResult| {
+        let (why, proof) = (impact.exclusion.as_ref()?, impact.evidence.as_ref()?);
+        Some(format!("impact {} ({}) is left out: {why}", impact.number, proof.recording))
     };
-    report.impacts.iter().filter_map(line).collect()
+    report.result.impacts.iter().filter_map(line).collect()
 }
 
 /// The page that `calibrate` prints.
 pub fn page(report: &CalibrationReport) -> String {
-    let mut lines = vec![format!("{}; ± is the expanded uncertainty (95 %)", report.title)];
+    let mut lines = vec![format!("{}; ± is the expanded uncertainty (95 %)", report.named.title)];
     lines.extend(report.contradictions.iter().map(|wrong| format!("  REFUSED  {wrong}")));
     lines.extend(results(report).iter().map(|[what, number]| format!("  {what:<18} {number}")));
     lines.push(String::new());
@@ -189,6 +191,6 @@ pub fn page(report: &CalibrationReport) -> String {
     lines.push("uncertainty budget, largest shares first".to_owned());
     lines.extend(table::lines(&budget_rows(report), &[0]));
     lines.extend(exclusions(report).iter().map(|line| format!("  note  {line}")));
-    lines.extend(report.notes.iter().map(|note| format!("  note  {note}")));
+    lines.extend(report.result.notes.iter().map(|note| format!("  note  {note}")));
     lines.join("\n")
 }

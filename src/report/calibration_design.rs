@@ -1,11 +1,12 @@
 //! The design of a momentum test as a page of text.
 
 use super::table;
-use crate::quantity::coverage::{NORMAL_95, expected_coverage};
+use crate::calibrate::blind::CalibrationCoverage;
+use crate::calibrate::design::TestDesign;
+use crate::numeric::intervals::NORMAL_95;
+use crate::numeric::statistics::expected_coverage;
 use crate::quantity::engineering;
 use crate::scene::plan::lab::{Laboratory, SpeedReading};
-use crate::studies::momentum_test::coverage::Coverage;
-use crate::studies::momentum_test::design::TestDesign;
 
 /// Candidates shown.
 const SHOWN_DESIGNS: usize = 12;
@@ -15,7 +16,7 @@ pub fn design_page(
     sensor: &str,
     lab: &Laboratory,
     candidates: &[TestDesign],
-    checked: Option<&Coverage>,
+    checked: Option<&CalibrationCoverage>,
 ) -> String {
     let gain = lab.gain.map_or("sensor and scope as one chain".to_owned(), |gain| {
         format!("scope gain {:.1} %", 100.0 * gain.u)
@@ -63,7 +64,7 @@ pub fn design_page(
     lines.join("\n")
 }
 
-fn coverage_lines(checked: &Coverage) -> [String; 5] {
+fn coverage_lines(checked: &CalibrationCoverage) -> [String; 5] {
     let percent = |share: f64| format!("{:+.3} %", 100.0 * share);
     let [low, high] = expected_coverage(checked.repeats);
     [

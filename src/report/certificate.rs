@@ -4,9 +4,7 @@ use super::calibration::{budget_rows, exclusions, impact_rows, or_not_stated, re
 use super::chart::{Under, chart, chart_over};
 use super::document::{Part, html, markdown};
 use super::plot::{Curve, Label};
-use crate::analysis::calibration::{Calibration, ImpactResult};
-use crate::measurement::calibration::CalibrationReport;
-use crate::measurement::calibration::words::ImpactReport;
+use crate::calibrate::{CalibrationReport, ImpactResult};
 use crate::quantity::engineering;
 
 /// Zero degrees Celsius (K).
@@ -29,11 +27,11 @@ impl Certificate<'_> {
             table(std::iter::once(titled(first, second)).chain(rows.iter().map(pair)).collect())
         };
         let mut parts = vec![
-            Part::Heading(1, format!("Calibration certificate: {}", report.title)),
+            Part::Heading(1, format!("Calibration certificate: {}", report.named.title)),
             two(&self.identification(), "", ""),
             heading("Result"),
             two(&results(report), "quantity", "value"),
-            Part::Paragraph("The uncertainties stated are expanded ones that cover 95 %: the standard uncertainty times a coverage factor k. This is Student's t for the effective degrees of freedom (Welch-Satterthwaite), or smaller, down to 1.65, where an input that is evenly distributed within limits, such as a data sheet's gain, outweighs the others. The results hold for the item calibrated, under the conditions stated, within the range of forces.".to_owned()),
+            Part::Paragraph("The uncertainties stated are expanded ones that cover 95 %: the standard uncertainty times a coverage factor k. This is Student's t for the effective degrees of freedom (Welch-Satterthwaite), or smaller, down to 1.65, where an input that is evenly distributed within limits, such as a data sheet's gain, outweighs the others. If the Monte Carlo check does not confirm the propagation of uncertainty, the interval of its draws is stated instead, up to its farther end. The results hold for the item calibrated, under the conditions stated, within the range of forces.".to_owned()),
             heading("Impacts"),
             table(impact_rows(report)),
         ];
@@ -44,14 +42,14 @@ impl Certificate<'_> {
         parts.push(heading("Uncertainty budget"));
         parts.push(table(budget_rows(report)));
         parts.push(Part::Paragraph("Inputs that impacts share, such as gain, time constant and a striker's mass, are one input each and do not average out. All inputs, the smaller ones too, stand in calibration.json.".to_owned()));
-        if !report.notes.is_empty() {
+        if !report.result.notes.is_empty() {
             parts.push(heading("Notes"));
-            parts.push(Part::List(report.notes.clone()));
+            parts.push(Part::List(report.result.notes.clone()));
         }
         parts.push(heading("Recordings"));
         let head = ["", "recording", "SHA-256", "channel", "range", "time base", "instrument"];
-        let rows = report.impacts.iter().map(|impact| {
-            let proof = &impact.evidence;
+        let proofs = report.result.impacts.iter().filter_map(|i| Some((i, i.evidence.as_ref()?)));
+        let rows = proofs.map(|(impact, proof)| {
             vec![
                 impact.number.to_string(),
                 format!("{}, shot {}", proof.recording, proof.shot),
@@ -78,15 +76,15 @@ impl Certificate<'_> {
         };
         let celsius = |kelvin: f64| format!("{:.1} °C", kelvin - ZERO_CELSIUS);
         let texts = [
-            ("item", report.item.clone()),
+            ("item", report.named.item.clone()),
             ("scope of validity", chain.to_owned()),
-            ("laboratory", or_not_stated(report.laboratory.as_ref())),
-            ("customer", or_not_stated(report.customer.as_ref())),
-            ("date of measurement", or_not_stated(report.date.as_ref())),
-            ("method", report.method.clone()),
+            ("laboratory", or_not_stated(report.named.laboratory.as_ref())),
+            ("customer", or_not_stated(report.named.customer.as_ref())),
+            ("date of measurement", or_not_stated(report.named.date.as_ref())),
+            ("method", report.method.to_owned()),
             ("software", report.software.clone()),
             ("plan, SHA-256", report.plan_sha256.clone()),
-            ("temperature", report.temperature_k.map_or("not stated".to_owned(), celsius)),
+            ("temperature", report.named.temperature.map_or("not stated".to_owned(), celsius)),
             (
                 "load",
                 match report.charge_amplifier_v_per_c {
@@ -100,9 +98,9 @@ impl Certificate<'_> {
                     ),
                 },
             ),
-            ("mass traceable to", or_not_stated(report.traceability_mass.as_ref())),
-            ("speed traceable to", or_not_stated(report.traceability_speed.as_ref())),
-            ("voltage traceable to", or_not_stated(report.traceability_voltage.as_ref())),
+            ("mass traceable to", or_not_stated(report.named.mass_traceability.as_ref())),
+            ("speed traceable to", or_not_stated(report.named.speed_traceability.as_ref())),
+            ("voltage traceable to", or_not_stated(report.named.voltage_traceability.as_ref())),
         ];
         texts.map(|(what, text)| [what.to_owned(), text]).to_vec()
     }
@@ -111,16 +109,18 @@ impl Certificate<'_> {
 /// The certificate as Markdown and as HTML; `pictures` are file names and contents, one an impact.
 pub fn certificate(report: &CalibrationReport, pictures: &[(String, String)]) -> (String, String) {
     let parts = Certificate { report, pictures }.parts();
-    (markdown(&parts), html(&report.title, &parts))
+    (markdown(&parts), html(&report.named.title, &parts))
 }
 
-/// Pictures of all impacts: the force, and under it what the voltage alone would say; file names
-/// and contents.
-pub fn pictures(found: &Calibration, report: &CalibrationReport) -> Vec<(String, String)> {
-    let picture = |(result, told): (&ImpactResult, &ImpactReport)| {
-        let name = format!("impact-{}.svg", told.number);
-        let why = told.excluded.as_ref().map_or(String::new(), |why| format!(" (left out: {why})"));
-        let title = format!("Impact {}, {}{why}", told.number, told.striker);
+/// Pictures of all impacts: the force, and below it the force by the voltage alone; file names and
+/// contents.
+pub fn pictures(report: &CalibrationReport) -> Vec<(String, String)> {
+    let found = &report.result;
+    let picture = |result: &ImpactResult| {
+        let name = format!("impact-{}.svg", result.number);
+        let why = result.exclusion.as_ref();
+        let why = why.map_or(String::new(), |why| format!(" (left out: {why})"));
+        let title = format!("Impact {}, {}{why}", result.number, result.striker);
         let Some(impact) = &result.impact else {
             let empty = Curve {
                 points: vec![],
@@ -144,5 +144,5 @@ pub fn pictures(found: &Calibration, report: &CalibrationReport) -> Vec<(String,
         let under = Under::new("voltage over S", vec![points(&impact.signal)]);
         (name, chart_over(&curve, &[under], &title))
     };
-    found.impacts.iter().zip(&report.impacts).map(picture).collect()
+    found.impacts.iter().map(picture).collect()
 }

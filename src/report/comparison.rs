@@ -8,7 +8,7 @@ use super::plot::{Curve, Label};
 use super::table;
 use crate::measurement::compare::mapping::ASSUMED;
 use crate::measurement::compare::{ChannelScore, Compared, Comparison};
-use crate::quantity::coverage::NORMAL_95;
+use crate::numeric::intervals::NORMAL_95;
 use crate::quantity::{Uncertain, engineering};
 use crate::trace::Trace;
 

@@ -5,7 +5,7 @@ use super::plot::{Curve, Label, braille};
 use super::table;
 use crate::measurement::arrivals::sensitivities_unknown;
 use crate::measurement::force::Forces;
-use crate::quantity::coverage::NORMAL_95;
+use crate::numeric::intervals::NORMAL_95;
 use crate::quantity::engineering;
 
 /// Force over time.

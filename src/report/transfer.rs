@@ -6,7 +6,7 @@ use super::spectrum::band_marks;
 use super::table;
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::transfer::TransferFunction;
-use crate::quantity::coverage::NORMAL_95;
+use crate::numeric::intervals::NORMAL_95;
 use crate::quantity::engineering;
 
 /// With band edges pictures end at this multiple of the highest (1).

@@ -1,5 +1,5 @@
-//! Maps of what a chain lets pass over a knob: shades and numbers for a terminal, sheets for a
-//! picture.
+//! Maps of what a chain lets pass over one of a scene's numbers: shades and numbers for a terminal,
+//! sheets for a picture.
 
 use super::sheet::{Axis, COLOURS, Plot, Polyline, ShadedMap, Sheet, Stroke, sheet_svg};
 use super::table;
@@ -69,16 +69,13 @@ pub fn tunability(title: &str, tunings: &[Tuning]) -> String {
 }
 
 fn heading(tuning: &Tuning) -> String {
-    let knob = tuning.knob;
-    format!("{} (the scene has {})", knob.name(), value(tuning, tuning.now))
+    let number = &tuning.number;
+    format!("{} (the scene has {})", number.path, value(tuning, number.now()))
 }
 
-/// A knob's value with its unit; masses in grams.
+/// A value of the number with its unit.
 fn value(tuning: &Tuning, value: f64) -> String {
-    match tuning.knob.unit() {
-        "kg" => engineering(1e3 * value, "g", 3),
-        unit => engineering(value, unit, 3),
-    }
+    engineering(value / tuning.number.scale, &tuning.number.unit, 3)
 }
 
 fn map(tuning: &Tuning) -> Vec<String> {
@@ -139,7 +136,8 @@ fn numbers(tuning: &Tuning) -> Vec<String> {
     table::lines(&rows, &[])
 }
 
-/// The map as a picture: for each knob what arrives with the band edges, and beside it the speeds.
+/// The map as a picture: for each number what arrives with the band edges, and beside it the
+/// speeds.
 pub fn tunability_svg(title: &str, tunings: &[Tuning]) -> String {
     let panels = tunings.iter().flat_map(|tuning| [map_panel(tuning), speed_panel(tuning)]);
     sheet_svg(&Sheet {
@@ -152,16 +150,15 @@ pub fn tunability_svg(title: &str, tunings: &[Tuning]) -> String {
     })
 }
 
-/// The axis of a knob, and what its values are multiplied with for it.
+/// The axis of a number, and the factor from SI units to its unit.
 fn axis(tuning: &Tuning) -> (Axis, f64) {
-    let (unit, factor) = match tuning.knob.unit() {
-        "kg" => ("g", 1e3),
+    let (unit, factor) = match tuning.number.unit.as_str() {
         "Pa" => ("GPa", 1e-9),
-        unit => (unit, 1.0),
+        unit => (unit, 1.0 / tuning.number.scale),
     };
     let ends = [tuning.points.first(), tuning.points.last()];
     let [from, to] = ends.map(|point| point.map_or(1.0, |point| factor * point.value));
-    let label = format!("{} ({unit})", tuning.knob.name().replace('-', " "));
+    let label = format!("{} ({unit})", tuning.number.path);
     (Axis::logarithmic(&label, from, to), factor)
 }
 

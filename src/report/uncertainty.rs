@@ -6,11 +6,11 @@ use super::number::with_expanded;
 use super::plot::{Curve, Label};
 use super::table;
 use super::text::hanging_indent;
-use crate::quantity::{Dimension, Uncertain, engineering};
-use crate::recording::{Capture, Shot};
-use crate::studies::uncertainty::{
+use crate::predict::{
     InputMove, InputShare, NormalisedError, OutputInterval, TraceBand, UncertainPrediction,
 };
+use crate::quantity::{Dimension, Uncertain, engineering};
+use crate::recording::{Capture, Shot};
 use crate::trace::Trace;
 
 /// Inputs with a smaller share than this are counted together (1).

@@ -171,6 +171,22 @@ impl Adjustable {
         found.into_iter().map(|(path, node)| knob(path, node)).collect()
     }
 
+    /// Names of the materials of the scene's particles, each once.
+    pub fn materials(&self) -> Vec<String> {
+        let mut found = Vec::new();
+        let keys = ["particles", ANY, "material"];
+        let mut texts = Vec::new();
+        expand(&self.loaded.root, &keys, &mut Vec::new(), &mut texts);
+        for (_, node) in texts {
+            if let Value::Text(text) = &node.value
+                && !found.contains(&text.to_string())
+            {
+                found.push(text.to_string());
+            }
+        }
+        found
+    }
+
     /// Puts into the tree what a path may reach although the scene does not spell it out.
     pub(super) fn lay_open(&mut self, keys: &[&str]) -> Result<(), AdjustError> {
         match keys {

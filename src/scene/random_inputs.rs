@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::adjust::{AdjustError, Adjustable, AdjustableNumber};
 use super::{InputDistribution, Scene, SceneError, SpreadAmount, UncertainInput};
-use crate::quantity::coverage::normal_quantile;
+use crate::numeric::intervals::normal_quantile;
 use crate::quantity::{Dimension, engineering, parse_any};
 use crate::scope::Deviation;
 

@@ -2,14 +2,10 @@
 //!
 //! Stands above `experiment`, which runs one scene once: cost over error of methods, cost and
 //! change of each effect, difficult scenes with known answers, the paper's figures and tables,
-//! tuning of band gaps, simulated momentum tests, uncertain scenes, and the program's examination
-//! on the machine at hand.
+//! and maps over a scene's numbers.
 
 pub mod cost;
-pub mod doctor;
 pub mod effects;
 pub mod hard_cases;
-pub mod momentum_test;
 pub mod paper;
 pub mod tunability;
-pub mod uncertainty;

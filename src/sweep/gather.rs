@@ -156,7 +156,7 @@ impl GatheredLogs {
             tally.done += 1;
             if let Some(reason) = cells.get(error).filter(|reason| !reason.is_empty()) {
                 tally.failed += 1;
-                tally.first_failed.get_or_insert_with(|| (entry.run, reason.to_string()));
+                tally.first_failed.get_or_insert_with(|| (entry.run, reason.to_owned()));
             }
             if index % 1000 == 0 {
                 progress(index as f64 / self.found.len() as f64);

@@ -3,7 +3,7 @@
 //! The first line says which sweep it is of. Every line begins with the CRC-32 of what follows, in
 //! eight hexadecimal digits and a blank. A process that is killed leaves at most one torn line at
 //! the end: it is cut off, and its run is done again. A line that does not agree with its checksum
-//! is told and counts for nothing, so its run is done again, too.
+//! is reported and counts for nothing, so its run is done again, too.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{BufRead as _, BufReader, Seek as _, SeekFrom, Write as _};

@@ -40,7 +40,7 @@ pub enum SweepError {
     Watch {
         /// The name as typed.
         name: String,
-        /// The present state.
+        /// Names that exist.
         known: Vec<String>,
     },
     /// Not one scene of the sweep is sound.
@@ -98,9 +98,9 @@ pub enum SweepError {
     /// Instructions that this machine lacks.
     #[error("found no {wanted} on this processor, expected one of {}", known.join(", "))]
     Instructions {
-        /// The requested setting, or that of the log.
+        /// Instruction set asked for on the command line or recorded in the log.
         wanted: String,
-        /// The present state.
+        /// Instruction sets of this processor.
         known: Vec<&'static str>,
     },
     /// Invalid shard number.

@@ -7,7 +7,6 @@ use sha2::{Digest, Sha256};
 use super::SweepError;
 use super::row::ResultRow;
 pub use super::row::{Column, ColumnKind};
-use crate::experiment::accuracy::of_scene;
 use crate::experiment::ensemble::{Case, ProbeSite, Readout, places};
 use crate::experiment::outcome::{Reading, Speed, speeds};
 use crate::scene::adjust::Adjustable;
@@ -127,13 +126,10 @@ impl SweepPlan {
         first.map_or(Ok(()), |first| Err(SweepError::AllRefused { tried, first }))
     }
 
-    /// Makes run `index` ready, or tells why it cannot be.
+    /// Prepares run `index`, or says why it cannot run.
     pub(super) fn prepare(&self, run: &PlannedRun) -> Result<PreparedRun, String> {
         let scene = self.scene_of(run).map_err(|error| reason(&error))?;
-        let accuracy = match self.accuracy {
-            Some(accuracy) => accuracy,
-            None => of_scene(&scene).map_err(|error| error.to_string())?.value,
-        };
+        let accuracy = self.accuracy.unwrap_or(scene.accuracy);
         let wanted = |place: &ProbeSite| self.watched.iter().any(|other| other.name == place.name);
         let places: Vec<ProbeSite> = places(&scene).into_iter().filter(wanted).collect();
         Ok(PreparedRun { case: Case::of(&scene, accuracy, &places), accuracy, places })
@@ -217,7 +213,7 @@ fn probe_sites(design: &Design, scene: &Scene) -> Result<Vec<ProbeSite>, SweepEr
     Ok(all.into_iter().filter(|place| names.contains(&place.name)).collect())
 }
 
-/// Places between which a speed is told: particles, each with every one below it.
+/// Places between which a speed is given: particles, each with every one below it.
 fn pairs(watched: &[ProbeSite]) -> Vec<(&ProbeSite, &ProbeSite)> {
     let particles: Vec<&ProbeSite> = watched.iter().filter(|p| p.particle.is_some()).collect();
     let below = |upper: usize| particles.iter().skip(upper + 1).map(move |lower| (upper, *lower));

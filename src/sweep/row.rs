@@ -1,8 +1,6 @@
 //! One run's results as a line of CSV: what the log keeps and tables are made of.
 
-use std::borrow::Cow;
-use std::fmt::Write as _;
-
+use csv::StringRecord;
 use serde::{Deserialize, Serialize};
 
 /// Type of a column's values.
@@ -42,73 +40,42 @@ impl Column {
 
 /// A line being written.
 #[derive(Debug, Default)]
-pub(super) struct ResultRow {
-    text: String,
-    begun: bool,
-}
+pub(super) struct ResultRow(StringRecord);
 
 impl ResultRow {
-    fn cell(&mut self) -> &mut String {
-        if std::mem::replace(&mut self.begun, true) {
-            self.text.push(',');
-        }
-        &mut self.text
-    }
-
-    /// With as many digits as tell it from every other number.
+    /// Adds a number with as many digits as distinguish it from every other.
     pub(super) fn number(&mut self, value: Option<f64>) {
-        let text = self.cell();
-        let Some(value) = value.filter(|value| value.is_finite()) else { return };
-        let plain = value == 0.0 || (1e-4..1e15).contains(&value.abs());
-        // Writing to a text does not fail.
-        let _ = if plain { write!(text, "{value}") } else { write!(text, "{value:e}") };
+        let is_plain = |value: f64| value == 0.0 || (1e-4..1e15).contains(&value.abs());
+        let text = match value.filter(|value| value.is_finite()) {
+            None => String::new(),
+            Some(value) if is_plain(value) => value.to_string(),
+            Some(value) => format!("{value:e}"),
+        };
+        self.0.push_field(&text);
     }
 
     pub(super) fn count(&mut self, value: u64) {
-        let _ = write!(self.cell(), "{value}");
+        self.0.push_field(&value.to_string());
     }
 
+    /// Adds words; a run is one line, so that line ends become spaces.
     pub(super) fn text(&mut self, value: &str) {
-        let text = self.cell();
-        let value = value.replace(['\n', '\r'], " ");
-        if value.contains(['"', ',']) {
-            let _ = write!(text, "\"{}\"", value.replace('"', "\"\""));
-        } else {
-            text.push_str(&value);
-        }
+        self.0.push_field(&value.replace(['\n', '\r'], " "));
     }
 
     pub(super) fn into_line(self) -> String {
-        self.text
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        // Writing to memory does not fail.
+        let _ = writer.write_record(&self.0);
+        let bytes = writer.into_inner().unwrap_or_default();
+        String::from_utf8_lossy(&bytes).trim_end_matches('\n').to_owned()
     }
 }
 
 /// The cells of a line.
-pub(super) fn cells(line: &str) -> Vec<Cow<'_, str>> {
-    let mut cells = Vec::new();
-    let mut rest = Some(line);
-    while let Some(text) = rest {
-        let end = if text.starts_with('"') { closing(text) } else { 0 };
-        let end = text[end..].find(',').map_or(text.len(), |comma| end + comma);
-        let cell = &text[..end];
-        let inner = cell.strip_prefix('"').and_then(|cell| cell.strip_suffix('"'));
-        cells.push(inner.map_or(Cow::Borrowed(cell), |inner| inner.replace("\"\"", "\"").into()));
-        rest = text.get(end + 1..);
-    }
-    cells
-}
-
-/// Where the quotation that `text` begins with ends; a pair of marks is a mark in it.
-fn closing(text: &str) -> usize {
-    let mut at = 1;
-    while let Some(mark) = text[at..].find('"') {
-        at += mark + 1;
-        if !text[at..].starts_with('"') {
-            return at;
-        }
-        at += 1;
-    }
-    text.len()
+pub(super) fn cells(line: &str) -> StringRecord {
+    let reader = csv::ReaderBuilder::new().has_headers(false).from_reader(line.as_bytes());
+    reader.into_records().next().and_then(Result::ok).unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -129,7 +96,7 @@ mod tests {
         assert!(line.starts_with("7,5.529e-5,,plain,"), "{line}");
         let found = cells(&line);
         assert_eq!(
-            found[3..].iter().map(|c| c.replace(' ', "_")).collect::<Vec<_>>(),
+            found.iter().skip(3).map(|c| c.replace(' ', "_")).collect::<Vec<_>>(),
             words.map(|w| w.replace([' ', '\n'], "_"))
         );
     }

@@ -4,16 +4,17 @@ mod blind;
 mod command;
 mod droop;
 mod exclusions;
+mod impossible;
 mod sensors;
 mod uncertainty;
 
 use std::sync::LazyLock;
 
+use hertzscope::calibrate::design::{Designer, TestDesign};
+use hertzscope::calibrate::simulation::BlindCalibration;
+use hertzscope::calibrate::simulation::{ImpactTruth, setting};
 use hertzscope::scene::plan::lab::{self, LabStriker, Laboratory};
 use hertzscope::scope::Setup;
-use hertzscope::studies::momentum_test::BlindCalibration;
-use hertzscope::studies::momentum_test::design::{Designer, TestDesign};
-use hertzscope::studies::momentum_test::simulation::{ImpactTruth, setting};
 
 /// What most tests calibrate: 1.22 g with a PTFE face from 20, 10 and 5 mm, at 1 V/div and 100
 /// us/div.

@@ -19,7 +19,7 @@ fn hertzscope(arguments: &[&str]) -> Command {
 }
 
 fn recorded(scene: &Scene) -> TraceSet {
-    let integration = Integration::Accuracy(scene.accuracy.expect("an accuracy"));
+    let integration = Integration::Accuracy(scene.accuracy);
     let shot = run(scene, integration, 1, &mut |_| ()).expect("a run").shot;
     let metadata = facts::facts(scene, integration).expect("facts");
     TraceSet { shots: vec![shot], metadata, ..TraceSet::default() }
@@ -245,4 +245,21 @@ fn real_captures_are_scored_or_refused() {
         assert!(output.status.success() || is_undetermined || is_refused, "{file}: {error}");
     }
     assert!(scored > 0 && refused > 0, "{scored} scored, {refused} refused");
+}
+
+/// A sensor with its wires exchanged shows the pulse upside down: minus one times the height, a
+/// peak error of -200 %, not none.
+#[test]
+fn a_pulse_of_the_other_polarity_is_a_peak_error_of_minus_200_per_cent() {
+    let scene = Scene::load("gravity-0.61g").expect("a shipped scene");
+    let set = recorded(&scene);
+    let mut turned = set.clone();
+    for code in &mut turned.shots[0].captures[1].waveform.codes {
+        *code = -*code;
+    }
+    let sides = (side(&scene, &turned), side(&scene, &set));
+    let found = compare(sides.0, sides.1, (Align::Trigger, &[]), &ScoreLimits::default());
+    let channels = found.expect("a comparison").comparison.channels;
+    let error = |index: usize| channels[index].peak_error.expect("a height").value;
+    assert!(error(0).abs() < 1e-12 && (error(1) + 2.0).abs() < 0.02, "{} {}", error(0), error(1));
 }

@@ -2,9 +2,9 @@
 //! judged.
 //!
 //! One shift serves all channels, since a scope has one time base: speeds stay what they are. Gain
-//! and offset are found and told, and never taken out. Peaks and arrivals (half-rise) come from the
-//! first pulse with the sensor's droop undone where its time constant is known; a measured channel
-//! whose sensor is not known borrows the simulated one's. The other scores are those of
+//! and offset are found and reported, and never taken out. Peaks and arrivals (half-rise) come from
+//! the first pulse with the sensor's droop undone where its time constant is known; a measured
+//! channel whose sensor is not known borrows the simulated one's. The other scores are those of
 //! [`crate::analysis::comparison`]. JSON names and units are part of the interface.
 
 mod compared_shot;
@@ -178,12 +178,13 @@ fn shift(
     align: Align,
     notes: &mut Vec<String>,
 ) -> (Align, f64, Option<f64>) {
-    // Each trigger's level was crossed somewhere in the sample interval before the record's zero.
-    let triggers = channels.first().map_or(0.0, |channel| {
-        channel.measured.interval.hypot(channel.simulated.interval) / 3f64.sqrt()
-    });
+    // Each trigger's level was crossed somewhere in the sample interval before the record's zero,
+    // on average half of it before.
+    let intervals = channels.first().map(|c| (c.measured.interval, c.simulated.interval));
+    let (own, other) = intervals.unwrap_or((0.0, 0.0));
+    let (at_triggers, triggers) = (0.5 * (other - own), own.hypot(other) / 12f64.sqrt());
     let found = match align {
-        Align::Trigger => Some((0.0, Some(triggers))),
+        Align::Trigger => Some((at_triggers, Some(triggers))),
         Align::Arrival => channels.iter().find_map(|channel| {
             let (measured, simulated) = channel.arrivals(Estimator::HalfRise)?;
             notes.push(format!("aligned by the arrival at {}", channel.name));
@@ -202,5 +203,5 @@ fn shift(
         "no alignment by {}: the triggers are taken for the same time",
         align.name()
     ));
-    (Align::Trigger, 0.0, Some(triggers))
+    (Align::Trigger, at_triggers, Some(triggers))
 }

@@ -122,7 +122,7 @@ impl ChannelPair {
         Pair::new(&force(measured, own), &force(simulated, other), shift)
     }
 
-    /// Zero and noise on both sides, the measured one first, where a pulse tells them (V).
+    /// Zero and noise on both sides, the measured one first, if there is a pulse (V).
     pub fn quiet(&self) -> Option<[Uncertain; 2]> {
         let (measured, simulated) = self.pulses.as_ref()?;
         Some(

@@ -1,8 +1,10 @@
 //! A plan as data.
 
-use crate::quantity::Uncertain;
 use std::path::PathBuf;
 
+use serde::Serialize;
+
+use crate::quantity::Uncertain;
 use crate::scene::document::SourceLocation;
 use crate::sensor::Load;
 
@@ -41,7 +43,7 @@ pub struct PlannedImpact {
 }
 
 /// Entries of the certificate that do not enter the calculation.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Particulars {
     /// One line about the calibration.
     pub title: String,
@@ -58,12 +60,16 @@ pub struct Particulars {
     /// Whom it was for.
     pub customer: Option<String>,
     /// Temperature of the room (K).
+    #[serde(rename = "temperature_k")]
     pub temperature: Option<f64>,
     /// Traceability of the mass.
+    #[serde(rename = "traceability_mass")]
     pub mass_traceability: Option<String>,
     /// Traceability of the speed.
+    #[serde(rename = "traceability_speed")]
     pub speed_traceability: Option<String>,
     /// Traceability of the voltage.
+    #[serde(rename = "traceability_voltage")]
     pub voltage_traceability: Option<String>,
 }
 

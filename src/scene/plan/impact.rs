@@ -138,7 +138,7 @@ pub fn uncertain(
     (key, uncertainty): (&'static str, &'static str),
     dimension: Dimension,
 ) -> Option<Uncertain> {
-    let value = table.required(key, dimension, Bound::Positive);
+    let value = table.required(key, dimension, limits(dimension));
     let Some(node) = table.node(uncertainty) else {
         let expected =
             format!("the standard uncertainty of {key}, as {dimension} or a share, e.g. \"0.5 %\"");
@@ -150,16 +150,33 @@ pub fn uncertain(
         Value::Text(text) => parse_any(text).ok(),
         _ => None,
     };
-    let u = match (share, value) {
-        (Some((u, found)), _) if found == dimension && u >= 0.0 => Some(u),
-        (Some((u, Dimension::NONE)), Some(value)) if u >= 0.0 => Some(u * value),
-        // Whether a share is right cannot be told before its quantity is.
-        (Some((u, Dimension::NONE)), None) if u >= 0.0 => None,
+    let u = match share {
+        Some((u, found)) if found == dimension && (0.0..f64::INFINITY).contains(&u) => u,
+        // A share needs its quantity.
+        Some((u, Dimension::NONE)) if (0.0..f64::INFINITY).contains(&u) => u * value?,
         _ => {
             let expected = format!("{dimension} of zero or more, or a share, e.g. \"0.5 %\"");
             table.problem(uncertainty, node.describe(), expected);
-            None
+            return None;
         }
     };
-    Some(Uncertain::normal(value?, u?))
+    let quantity = Uncertain::normal(value?, u);
+    if !quantity.is_known() {
+        let found = format!("{}, more than {key} itself", node.describe());
+        table.problem(uncertainty, found, "a standard uncertainty (k = 1) below the value");
+        return None;
+    }
+    Some(quantity)
+}
+
+/// Limits of a measured quantity that fits on a bench.
+fn limits(dimension: Dimension) -> Bound {
+    match dimension {
+        Dimension::MASS => Bound::MASS,
+        Dimension::LENGTH => Bound::LENGTH,
+        Dimension::SPEED => Bound::SPEED,
+        Dimension::TIME => Bound::Bench(1e-9, 1e6),
+        Dimension::ACCELERATION => Bound::Bench(1e-3, 1e3),
+        _ => Bound::Positive,
+    }
 }

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use super::impact::uncertain;
-use super::{PlanError, gain_of};
+use super::{PlanError, SHARE, gain_of};
 use crate::quantity::{Dimension, Uncertain, parse};
 use crate::scene::document::Node;
 use crate::scene::library;
@@ -175,7 +175,10 @@ fn reading<const N: usize>(
     let stated: Vec<_> = ways.iter().filter(|(key, _)| root.has(key)).collect();
     let found: Vec<Option<f64>> = ways
         .iter()
-        .map(|(key, dimension)| root.quantity(key, *dimension, Bound::NotNegative))
+        .map(|(key, dimension)| {
+            let bound = if *dimension == Dimension::NONE { SHARE } else { Bound::NotNegative };
+            root.quantity(key, *dimension, bound)
+        })
         .collect();
     let [(_, dimension)] = stated.as_slice() else {
         let names: Vec<&str> = ways.iter().map(|(key, _)| *key).collect();

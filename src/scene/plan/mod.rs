@@ -29,8 +29,13 @@ const LATITUDES: f64 = 0.0027;
 pub const INPUT: Load = Load { resistance: 1e6, capacitance: 20e-12 };
 /// What a plan states of the scope's gain.
 const GAIN_STATEMENT: &str = "gain_u = \"1 %\" of a calibrated scope, gain_limit = \"3 %\" of its data sheet, or in_chain = true where sensor and scope are calibrated as one";
+/// Limits of a relative uncertainty: beyond its value nothing is known.
+const SHARE: Bound = Bound::Within(0.0, 1.0);
 /// Draws of the Monte-Carlo part.
 const DRAWS: u64 = 200_000;
+/// Fewest draws that resolve half a unit of the first digit of the standard uncertainty, which may
+/// be a twentieth of it: `3 * 2.67/sqrt(n) <= 0.05` (JCGM 101:2008, 7.9.2).
+const MIN_DRAWS: u64 = 30_000;
 
 /// Why there is no plan.
 #[derive(Debug, thiserror::Error)]
@@ -82,12 +87,12 @@ fn read(file: &Path, node: &Node, problems: &Problems) -> Option<CalibrationPlan
         Some(Uncertain::normal(FREE_FALL, FREE_FALL * LATITUDES / 3f64.sqrt()))
     };
     let seed = root.count("seed", 0, (1 << 53) - 1).unwrap_or(0);
-    let draws = root.count("draws", 1000, 10_000_000).unwrap_or(DRAWS);
+    let draws = root.count("draws", MIN_DRAWS, 10_000_000).unwrap_or(DRAWS);
     let mut particulars = particulars(&root, file);
     let channel = root.text("channel").unwrap_or("CH1").to_owned();
     let ScopeInput { gain, load, charge_amplifier } = scope(&root);
     let (scale, gates) = root.table("speeds").map_or((Some(0.0), None), |table| {
-        let scale = table.quantity("scale_u", Dimension::NONE, Bound::NotNegative);
+        let scale = table.quantity("scale_u", Dimension::NONE, SHARE);
         let gates = table
             .has("gate_distance")
             .then(|| uncertain(&table, ("gate_distance", "gate_distance_u"), Dimension::LENGTH));
@@ -222,8 +227,8 @@ fn above_plate(table: &TableReader<'_>) -> Option<Uncertain> {
 /// What `table` says of the scope's gain; none for a chain calibrated as one.
 fn gain_of(table: &TableReader<'_>) -> Option<Uncertain> {
     let in_chain = table.flag("in_chain").unwrap_or(false);
-    let gain_u = table.quantity("gain_u", Dimension::NONE, Bound::NotNegative);
-    let limit = table.quantity("gain_limit", Dimension::NONE, Bound::NotNegative);
+    let gain_u = table.quantity("gain_u", Dimension::NONE, SHARE);
+    let limit = table.quantity("gain_limit", Dimension::NONE, SHARE);
     let stated = [in_chain, table.has("gain_u"), table.has("gain_limit")];
     if stated.iter().filter(|is_stated| **is_stated).count() != 1 {
         let several = stated.contains(&true);

@@ -3,9 +3,9 @@
 use super::trial::{EffectTrial, of_chain};
 use super::{BaselineRun, EffectFinding, EffectState, LedgerEntry};
 use crate::chain::{
-    Body, Dashpot, Gravity, KuwabaraKono, LinearisedContacts, MagnetForce, MagnetLaw, PlacedAt,
-    PlacedMagnet, PowerLawLoss,
+    Gravity, LinearisedContacts, LossKind, MagnetForce, MagnetLaw, PlacedAt, PlacedMagnet,
 };
+use crate::measurement::metadata::mass_without_sensor;
 use crate::quantity::engineering;
 use crate::scene::{Scene, Site, magnets};
 
@@ -154,12 +154,9 @@ pub fn striker_speed_spread(subject: &BaselineRun<'_>) -> LedgerEntry {
 }
 
 /// A loss: its decay against the fastest contact's own frequency.
-fn loss(
-    subject: &BaselineRun<'_>,
-    name: &'static str,
-    setting: Option<f64>,
-    needs: &str,
-) -> LedgerEntry {
+fn loss(subject: &BaselineRun<'_>, kind: LossKind, needs: &str) -> LedgerEntry {
+    let name = kind.model().name;
+    let setting = subject.scene.spec.effects.loss(kind);
     let criterion = "decay / angular frequency, of the most damped contact";
     if setting.is_none() {
         let reason = format!(
@@ -168,9 +165,9 @@ fn loss(
         return EffectFinding { state: EffectState::Off, value: None, reason, trial: None }
             .entry(name, criterion);
     }
-    let others = ["dashpot", "kuwabara_kono", "power_law_loss"];
     let alone = subject.rebuilt(|scene| {
-        others.iter().filter(|o| **o != name).for_each(|other| scene.spec.effects.remove(other));
+        let others = LossKind::ALL.into_iter().filter(|other| *other != kind);
+        others.for_each(|other| scene.spec.effects.losses[other as usize] = None);
     });
     let value = alone.map(|s| s.chain.largest_damping(&s.initial_velocities)).ok();
     let without = subject.rebuilt(|scene| scene.spec.effects.remove(name));
@@ -181,26 +178,17 @@ fn loss(
 
 /// Dashpots.
 pub fn dashpot(subject: &BaselineRun<'_>) -> LedgerEntry {
-    let set = subject.scene.spec.effects.dashpot.as_ref();
-    loss(subject, "dashpot", set.map(|Dashpot { gamma }| gamma.value), "gamma and end_of_contact")
+    loss(subject, LossKind::Dashpot, "gamma and end_of_contact")
 }
 
 /// Viscoelastic losses.
 pub fn kuwabara_kono(subject: &BaselineRun<'_>) -> LedgerEntry {
-    let set = subject.scene.spec.effects.kuwabara_kono.as_ref();
-    loss(
-        subject,
-        "kuwabara_kono",
-        set.map(|KuwabaraKono { eta }| eta.value),
-        "eta and end_of_contact",
-    )
+    loss(subject, LossKind::KuwabaraKono, "eta and end_of_contact")
 }
 
 /// Power-law losses.
 pub fn power_law_loss(subject: &BaselineRun<'_>) -> LedgerEntry {
-    let set = subject.scene.spec.effects.power_law_loss.as_ref();
-    let set = set.map(|PowerLawLoss { force, .. }| force.value);
-    loss(subject, "power_law_loss", set, "force_at_1_m_per_s, exponent and end_of_contact")
+    loss(subject, LossKind::PowerLaw, "force_at_1_m_per_s, exponent and end_of_contact")
 }
 
 /// Contacts made linear.
@@ -268,16 +256,7 @@ pub fn host_mass(subject: &BaselineRun<'_>) -> LedgerEntry {
         Site::Wall => None,
     };
     let hosts: Vec<usize> = scene.sensors.iter().filter_map(|s| host(s.site)).collect();
-    // A kind's own mass is that of its particles without a sensor; in a taper they are of other
-    // sizes.
-    let own = |index: usize| {
-        let body = particles.get(index)?;
-        let is_bare = |(i, bare): &(usize, &Body)| bare.name == body.name && !hosts.contains(i);
-        let size = |(_, bare): &(usize, &Body)| (bare.length / body.length).ln().abs();
-        let bare = particles.iter().enumerate().filter(is_bare);
-        let (_, bare) = bare.min_by(|a, b| size(a).total_cmp(&size(b)))?;
-        Some(bare.mass * (body.length / bare.length).powi(3))
-    };
+    let own = |index: usize| mass_without_sensor(scene, index + 1);
     let ratio = |index: &usize| Some(particles.get(*index)?.mass / own(*index)? - 1.0);
     let value = hosts.iter().filter_map(ratio).reduce(|a, b| if b.abs() > a.abs() { b } else { a });
     let is_on = value.is_some_and(|value| value.abs() > ROUNDING);

@@ -10,10 +10,11 @@ use crate::scope::front_end::{NEGLIGIBLE_DELAY, bandwidth_ratio, low_pass};
 use crate::scope::waveform::LEVELS_PER_DIVISION;
 use crate::sensor::{SensorMeasurement, SensorTolerance};
 
-/// A time constant that no record could tell from infinity (s).
-const FOREVER: f64 = 1e6;
-/// Why the bandwidth goes by that.
-const JUDGED: &str = "a tenth of the accuracy that a record calls for; forces have no part in it";
+/// Time constant of an open circuit: beyond any record (s).
+const OPEN_CIRCUIT_TIME_CONSTANT: f64 = 1e6;
+/// Criterion of the bandwidth's effect.
+const CRITERION: &str =
+    "a tenth of the accuracy that a record calls for; forces have no part in it";
 /// Tolerance of both constants as stated by makers of piezo ceramics (1).
 const MAKERS_TOLERANCE: f64 = 0.2;
 
@@ -48,7 +49,7 @@ fn drawn(
     found
 }
 
-/// Something the scope cannot be without a wired sensor.
+/// True if a sensor is connected to the scope: electronics effects need one.
 fn is_wired(scene: &Scene) -> bool {
     scene.scope.channels.iter().flatten().any(|channel| channel.input.is_some())
 }
@@ -106,7 +107,7 @@ pub fn sensor_droop(subject: &BaselineRun<'_>) -> LedgerEntry {
         if let Some(placed) = other.sensors.get_mut(place) {
             placed.sensor.measured = SensorMeasurement {
                 sensitivity: Some(circuit.sensitivity),
-                time_constant: Some(FOREVER),
+                time_constant: Some(OPEN_CIRCUIT_TIME_CONSTANT),
                 ..SensorMeasurement::default()
             };
         }
@@ -176,9 +177,9 @@ pub fn bandwidth(subject: &BaselineRun<'_>) -> LedgerEntry {
         change = of_signals(subject, &on, &off);
     }
     let reason = if is_on {
-        format!("on: the delay is above {NEGLIGIBLE_DELAY} of a sample interval, {JUDGED}")
+        format!("on: the delay is above {NEGLIGIBLE_DELAY} of a sample interval, {CRITERION}")
     } else {
-        format!("off: the delay is below {NEGLIGIBLE_DELAY} of a sample interval, {JUDGED}")
+        format!("off: the delay is below {NEGLIGIBLE_DELAY} of a sample interval, {CRITERION}")
     };
     let times = if is_on { times } else { None };
     let found = EffectFinding {

@@ -92,7 +92,7 @@ pub struct LedgerEntry {
     pub state: EffectState,
     /// Whether it is part of this run.
     pub active: bool,
-    /// The dimensionless number that tells whether it matters.
+    /// The dimensionless number that decides whether it matters.
     pub criterion: &'static str,
     /// Its value; none where the scene does not set what it needs (1).
     pub value: Option<f64>,

@@ -5,14 +5,15 @@ use super::benches::{
     HEAVY, LIGHT, MovingChain, PTFE, STEEL, assemble, diatomic, drift_bound, set_moving, sphere,
 };
 use super::tally::CaseChecks;
+use crate::chain::State;
 use crate::chain::{Chain, ChainSpec, EffectsSpec, End, Gravity};
 use crate::experiment::horizon::horizon;
-use crate::integrate::{Method, State};
+use crate::motion::Method;
 use crate::quantity::engineering;
 
 pub const CASES: &[HardCase] = &[HardCase {
     name: "600-bead chaos",
-    why: "under gravity alone every contact rattles and doubles every error again and again",
+    why: "under gravity alone every contact opens and closes, and errors grow exponentially",
     bound: "up to the horizon that the run itself states, the state of Dormand-Prince 8(5,3) at 1e-13 within sqrt(accuracy) of 1e-6; beyond it statistics: energy, and the share of it in motion within four standard deviations of eight perturbed runs by that method",
     compute: chaos,
 }];

@@ -127,7 +127,7 @@ pub(super) struct Typed<'a> {
     pub value: f64,
     /// Value of one unit of its last digit (unit).
     pub last_digit: f64,
-    /// Its cause.
+    /// Its unit.
     pub unit: &'a str,
 }
 

@@ -3,11 +3,11 @@
 use crate::analysis::spectrum::SpectrumError;
 use crate::chain::ChainError;
 use crate::experiment::RunError;
-use crate::integrate::IntegrateError;
+use crate::motion::IntegrateError;
+use crate::predict::UncertaintyError;
 use crate::scene::SceneError;
 use crate::scene::adjust::AdjustError;
 use crate::scene::problem::Problem;
-use crate::studies::uncertainty::UncertaintyError;
 
 /// Why the paper could not be computed: all of them this program's own mistakes.
 #[derive(Debug, thiserror::Error)]

@@ -71,7 +71,7 @@ pub(super) struct IntermediateResults {
     pub(super) viscosity: Vec<Viscous>,
 }
 
-/// Where a force is felt.
+/// Place of a force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ForceLocation {
     /// Inside a particle: the mean of its two contacts.

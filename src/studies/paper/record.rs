@@ -7,8 +7,9 @@ use crate::chain::ForceProbe;
 use crate::experiment::bench::{Bench, Grid};
 use crate::experiment::pulse::{HALF_RISE_SHARE, Peak, PulseRecorder};
 use crate::experiment::{Integration, method, run};
+use crate::numeric::roots::vertex;
 use crate::recording::TrueSignal;
-use crate::scene::{DEFAULT_ACCURACY, Scene};
+use crate::scene::Scene;
 use crate::trace::Trace;
 
 /// Sample interval of all forces: 60 samples in the fastest oscillation that travels (s).
@@ -22,13 +23,13 @@ const PEAK_SHARE: f64 = 0.25;
 
 /// Accuracy of a scene's run (1).
 pub(super) fn accuracy(scene: &Scene) -> f64 {
-    scene.accuracy.unwrap_or(DEFAULT_ACCURACY)
+    scene.accuracy
 }
 
 /// Forces at several places of a scene.
 pub(super) struct ForceRecord {
     pub scene: Scene,
-    felt: Vec<(ForceLocation, Trace, PulseRecorder)>,
+    records: Vec<(ForceLocation, Trace, PulseRecorder)>,
 }
 
 impl ForceRecord {
@@ -42,17 +43,17 @@ impl ForceRecord {
         let velocities = &scene.initial_velocities;
         let mut bench = Bench::new(chain, velocities, method, &probes, grid, Grid::NEVER);
         bench.run_until(scene.duration, true, &mut |_| ())?;
-        let felt = places.iter().zip(bench.watches()).map(|(place, watch)| {
+        let records = places.iter().zip(bench.watches()).map(|(place, watch)| {
             let trace = grid.trace(&place.words(chain), "N", watch.samples.clone());
             (*place, trace, watch.pulse.clone())
         });
-        Ok(Self { scene: scene.clone(), felt: felt.collect() })
+        Ok(Self { scene: scene.clone(), records: records.collect() })
     }
 
     fn at(&self, place: ForceLocation) -> Result<(&Trace, &PulseRecorder), PaperError> {
-        let felt = self.felt.iter().find(|(there, ..)| *there == place);
-        let felt = felt.map(|(_, trace, pulse)| (trace, pulse));
-        felt.ok_or_else(|| nothing(&self.scene, &format!("force at {}", place.key())))
+        let record = self.records.iter().find(|(there, ..)| *there == place);
+        let record = record.map(|(_, trace, pulse)| (trace, pulse));
+        record.ok_or_else(|| nothing(&self.scene, &format!("force at {}", place.key())))
     }
 
     /// The force over time.
@@ -86,7 +87,7 @@ impl ForceRecord {
         echo.filter(|_| place != ForceLocation::Wall).map_or(end, |echo| echo.min(end))
     }
 
-    /// The same with Hann's window, for a part of a signal that goes on.
+    /// Spectrum with a Hann window, for a section of a longer signal.
     pub(super) fn windowed(
         &self,
         place: ForceLocation,
@@ -168,10 +169,9 @@ pub(super) fn nothing(scene: &Scene, what: &str) -> PaperError {
 fn maxima(trace: &Trace, sign: f64) -> Vec<(f64, f64)> {
     let mut found = Vec::new();
     for (index, window) in trace.values.windows(3).enumerate() {
-        let [below, here, above] = [window[0], window[1], window[2]].map(|value| sign * value);
-        if here >= below && here > above {
-            let shift = 0.5 * (below - above) / (below - 2.0 * here + above);
-            let value = here - 0.25 * (below - above) * shift;
+        let three = [window[0], window[1], window[2]].map(|value| sign * value);
+        if let Some((shift, value)) = vertex(three).filter(|(shift, _)| (-0.5..0.5).contains(shift))
+        {
             found.push((trace.time(index + 1) + shift * trace.interval, sign * value));
         }
     }

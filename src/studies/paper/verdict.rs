@@ -107,7 +107,7 @@ pub(super) struct ClaimResult {
     pub candidates: Vec<Interpretation>,
     /// Remarks.
     pub note: String,
-    /// How far apart the record tells two lines, where a line is read: `1/T` (Hz).
+    /// Least distance of two lines that the record separates, if a line is read: `1/T` (Hz).
     pub resolution: f64,
     /// Whether there is what the statement speaks of.
     pub is_there: bool,

@@ -4,9 +4,10 @@
 #[cfg(feature = "parquet")]
 mod parquet_file;
 
-use std::borrow::Cow;
 use std::io::{BufRead as _, BufReader, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
+
+use csv::StringRecord;
 
 use super::row::{Column, ColumnKind, ResultRow, cells};
 use super::{SweepError, at};
@@ -67,16 +68,16 @@ fn extension(file: &Path) -> Option<String> {
     file.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase)
 }
 
-/// Writes a table of numbers, `csv`, in the format that the name of `file` tells.
+/// Writes a table of numbers, `csv`, in the format of the extension of `file`.
 ///
 /// # Errors
 /// [`SweepError`] where the file cannot be written.
 pub fn write(file: &Path, csv: &str) -> Result<(), SweepError> {
     let mut lines = csv.lines();
     let names = cells(lines.next().unwrap_or_default());
-    let column = |name: &Cow<'_, str>| {
+    let column = |name: &str| {
         let kind = if name == "shot" { ColumnKind::Count } else { ColumnKind::Number };
-        Column { name: name.clone().into_owned(), kind }
+        Column { name: name.to_owned(), kind }
     };
     let mut table = TableWriter::create(file, &names.iter().map(column).collect::<Vec<_>>())?;
     lines.try_for_each(|line| table.row(line, &cells(line)))?;
@@ -103,7 +104,7 @@ impl TableWriter {
     }
 
     /// Adds a run: its `line`, and the `cells` of that.
-    pub(super) fn row(&mut self, line: &str, cells: &[Cow<'_, str>]) -> Result<(), SweepError> {
+    pub(super) fn row(&mut self, line: &str, cells: &StringRecord) -> Result<(), SweepError> {
         match &mut self.out {
             Out::Csv(out) => writeln!(out, "{line}").map_err(at(&self.file)),
             Out::JsonLines(out, columns) => {
@@ -130,7 +131,7 @@ impl TableWriter {
 
 /// The object of a run. Numbers stand there with the digits that they have in the log; what is not
 /// known is null.
-fn object(columns: &[Column], cells: &[Cow<'_, str>]) -> String {
+fn object(columns: &[Column], cells: &StringRecord) -> String {
     let mut text = String::from("{");
     for (index, (column, cell)) in columns.iter().zip(cells).enumerate() {
         if index > 0 {

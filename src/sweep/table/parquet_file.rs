@@ -1,10 +1,10 @@
 //! Apache Parquet: columns of doubles, whole numbers and texts, each with the column's head as its
 //! name; what is not known is null.
 
-use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
 
+use csv::StringRecord;
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical, ZstdLevel};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
@@ -43,7 +43,7 @@ impl ParquetFile {
         Ok(Self { name, writer, columns, rows: 0 })
     }
 
-    pub(super) fn row(&mut self, cells: &[Cow<'_, str>]) -> Result<(), SweepError> {
+    pub(super) fn row(&mut self, cells: &StringRecord) -> Result<(), SweepError> {
         self.columns.iter_mut().zip(cells).for_each(|(column, cell)| column.push(cell));
         self.rows += 1;
         if self.rows == ROWS_OF_GROUP { self.write() } else { Ok(()) }

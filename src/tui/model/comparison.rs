@@ -3,7 +3,6 @@
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
-use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, facts, run};
 use crate::measurement::compare::score_limits::ScoreLimits;
 use crate::measurement::compare::{Align, Compared, ComparedShot, compare};
@@ -11,9 +10,7 @@ use crate::recording::format::{Format, open};
 use crate::recording::{Origin, Shot, TraceSet};
 use crate::scene::Scene;
 use crate::scene::adjust::Adjustable;
-use crate::studies::uncertainty::{
-    SampleOptions, UncertainPrediction, judge, uncertain_prediction,
-};
+use crate::predict::{    SampleOptions, UncertainPrediction, judge, uncertain_prediction,};
 use crate::tui::job::with_reasons;
 
 /// Limits of the comparison's scores.
@@ -47,8 +44,7 @@ impl LoadedSide {
             return Ok(Self { name, set, is_uncertain: false, predicted: None });
         }
         let scene = Scene::load(name).map_err(|error| with_reasons(&error))?;
-        let accuracy = of_scene(&scene).map_err(|error| with_reasons(&error))?.value;
-        let integration = Integration::Accuracy(accuracy);
+        let integration = Integration::Accuracy(scene.accuracy);
         let outcome = run(&scene, integration, 1, &mut |_| ()).map_err(|e| with_reasons(&e))?;
         let metadata = facts::facts(&scene, integration).map_err(|error| with_reasons(&error))?;
         let attachments = vec![facts::scene_attachment(&scene)];

@@ -4,10 +4,10 @@
 use super::screen_state::{DerivedPart, ScreenState};
 use super::state::{Derived, DerivedKey, MeasurementReading, SidePanel, ordinate_unit};
 use crate::instrument::measure::{measure, unit};
-use crate::instrument::panel::MeasurementType;
 use crate::measurement::arrivals::{Survey, survey};
 use crate::measurement::metadata::{self, RecordedSensor};
 use crate::recording::{Shot, TraceSet};
+use crate::scope::panel::MeasurementType;
 use crate::scope::{Source, Waveform};
 use crate::tui::job::{Job, Queue};
 

@@ -3,14 +3,13 @@
 use super::live_state::{LiveBench, StrikeResult};
 use super::screen_state::ScreenState;
 use super::state::{RunState, ordinate_unit};
-use crate::experiment::accuracy::of_scene;
 use crate::experiment::auto_effects::resolve_auto_effects;
 use crate::experiment::{Integration, facts, run};
 use crate::recording::TraceSet;
 use crate::scene::Scene;
 use crate::scene::adjust::Adjustable;
 use crate::scope::Waveform;
-use crate::studies::uncertainty::{SampleOptions, TraceBand, trace_bands};
+use crate::predict::{SampleOptions, TraceBand, trace_bands};
 use crate::trace::Trace;
 use crate::tui::job::{Job, JobState, Queue, with_reasons};
 
@@ -229,8 +228,7 @@ fn struck(title: &str, text: &str, shot: u32) -> Result<StrikeResult, String> {
     };
     let scene = Scene::from_text(title, "the bench", text);
     let scene = scene.map_err(|error| told(&error))?;
-    let accuracy = of_scene(&scene).map_err(|error| told(&error))?.value;
-    let integration = Integration::Accuracy(accuracy);
+    let integration = Integration::Accuracy(scene.accuracy);
     let scene = resolve_auto_effects(&scene, integration).into_owned();
     let outcome = run(&scene, integration, shot, &mut |_| ()).map_err(|e| told(&e))?;
     let metadata = facts::facts(&scene, integration).map_err(|error| told(&error))?;

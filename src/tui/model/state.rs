@@ -7,12 +7,12 @@ use crate::analysis::spectrum::Spectrum;
 use crate::analysis::time_frequency::Spectrogram;
 use crate::measurement::arrivals::Survey;
 use crate::measurement::compare::Compared;
+use crate::predict::TraceBand;
 use crate::recording::Capture;
 use crate::scope::{Source, Waveform};
 use crate::studies::cost::CostStudy;
 use crate::studies::effects::Ledger;
 use crate::studies::hard_cases::CaseResult;
-use crate::studies::uncertainty::TraceBand;
 use crate::trace::Trace;
 use crate::tui::job::JobState;
 

@@ -80,7 +80,7 @@ fn present<'a>(model: &ScreenState, study: &'a CostStudy) -> Option<&'a ChosenMe
         .live
         .as_ref()
         .and_then(|live| live.summary.as_ref()?.accuracy)
-        .or_else(|| model.recordings.front().scene.as_ref()?.accuracy)
+        .or_else(|| Some(model.recordings.front().scene.as_ref()?.accuracy))
         .unwrap_or(crate::scene::DEFAULT_ACCURACY);
     let distance = |chosen: &ChosenMethod| (chosen.accuracy.log10() - wanted.log10()).abs();
     study.chosen.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))

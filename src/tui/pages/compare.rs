@@ -10,8 +10,8 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::Paragraph;
 
 use crate::measurement::compare::{ChannelScore, Compared};
+use crate::numeric::intervals::NORMAL_95;
 use crate::quantity::Uncertain;
-use crate::quantity::coverage::NORMAL_95;
 use crate::recording::TraceSet;
 use crate::scope::Source;
 use crate::trace::Trace;

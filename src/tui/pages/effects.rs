@@ -5,7 +5,6 @@ use ratatui::style::{Color, Style};
 
 use super::list::{self, List};
 use super::study;
-use crate::experiment::accuracy::of_scene;
 use crate::report;
 use crate::studies::effects::{self, EffectState, Ledger};
 use crate::tui::job::with_reasons;
@@ -44,8 +43,7 @@ fn opened(model: &mut ScreenState) {
         model,
         |jobs| &mut jobs.ledger,
         move |progress| {
-            let accuracy = of_scene(&scene).map_err(|error| with_reasons(&error))?.value;
-            let ledger = effects::ledger(&scene, accuracy, progress);
+            let ledger = effects::ledger(&scene, scene.accuracy, progress);
             ledger.map(Box::new).map_err(|error| with_reasons(&error))
         },
     );

@@ -4,7 +4,9 @@
 use hertzscope::analysis::arrival::Estimator;
 use hertzscope::analysis::pulse::{Conditions, Pulse};
 use hertzscope::experiment::outcome::Reading;
-use hertzscope::experiment::{Integration, Outcome, run};
+use hertzscope::experiment::{Integration, Outcome, facts, run};
+use hertzscope::measurement::arrivals::survey;
+use hertzscope::recording::TraceSet;
 use hertzscope::scene::{Scene, input_load};
 
 /// Runs of each scene, each with a seed of its own: other noise, another phase of the sample clock.
@@ -105,4 +107,22 @@ fn magnet_records_are_covered() {
 #[test]
 fn gravity_records_are_covered() {
     covered("gravity-0.61g", 4);
+}
+
+/// At 100 us/div and a position of 1 ms the record begins 0.5 ms after the trigger: the pulse has
+/// passed particle 14 at 0.29 ms, and what the record holds is no first peak and gives no speed.
+#[test]
+fn a_record_that_begins_behind_the_pulse_says_so() {
+    let text =
+        "base = \"magnet-0.61g\"\n[scope]\ntime_base = \"100 us/div\"\nposition = \"1 ms\"\n";
+    let scene = Scene::from_text("late", "late.toml", text).expect("a scene");
+    let integration = Integration::Accuracy(1e-4);
+    let shot = run(&scene, integration, 1, &mut |_| ()).expect("a run").shot;
+    let metadata = facts::facts(&scene, integration).expect("facts");
+    let set = TraceSet { shots: vec![shot], metadata, ..TraceSet::default() };
+    let found = survey(&set, &set.shots[0]);
+    let second = &found.channels[1];
+    assert_eq!(second.channel, "CH2");
+    assert!(second.problem.is_some() && second.height_n.is_none(), "{second:?}");
+    assert!(found.speeds.iter().all(|s| s.from != "CH2" && s.to != "CH2"), "{:?}", found.speeds);
 }

@@ -1,9 +1,9 @@
 //! A thousand calibrations that do not know the truth. The same at will:
 //! `hertzscope calibrate --simulate SENSOR --repeat 1000`.
 
+use hertzscope::calibrate::blind::coverage;
 use hertzscope::quantity::Uncertain;
 use hertzscope::scene::plan::lab::Laboratory;
-use hertzscope::studies::momentum_test::coverage::coverage;
 
 use super::{BENCH, bench_with, shipped_lab};
 
@@ -35,7 +35,7 @@ fn a_gain_does_not_average_out() {
     let found = bench.blind(1).calibrate().expect("a calibration");
     let relative = found.u / found.sensitivity;
     assert!(relative > 0.03 && relative < 0.0305, "{relative}");
-    let gain = found.budget.iter().find(|line| line.name() == "scope gain").expect("a line");
+    let gain = found.budget.iter().find(|line| line.name == "scope gain").expect("a line");
     assert!(
         gain.share > 0.97 && (gain.contribution / (0.03 * found.sensitivity) - 1.0).abs() < 1e-9
     );

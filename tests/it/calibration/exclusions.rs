@@ -1,10 +1,8 @@
 //! What is no good is left out by name, and stays visible.
 
-use hertzscope::analysis::calibration::{
-    Calibration, CalibrationError, Draws, Exclusion, calibrate,
-};
 use hertzscope::analysis::gate::Gate;
-use hertzscope::studies::momentum_test::BlindCalibration;
+use hertzscope::calibrate::simulation::BlindCalibration;
+use hertzscope::calibrate::{Calibration, CalibrationError, Draws, Exclusion, calibrate};
 
 use super::{BENCH, bench_with, shipped_lab};
 

@@ -1,7 +1,7 @@
 //! The budget and the Monte-Carlo part.
 
-use hertzscope::analysis::calibration::model::{InputKind, SpeedSource};
-use hertzscope::analysis::calibration::{Draws, calibrate};
+use hertzscope::calibrate::equation::{InputKind, SpeedSource};
+use hertzscope::calibrate::{Draws, calibrate};
 use hertzscope::quantity::Uncertain;
 
 use super::BENCH;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use hertzscope::studies::doctor::{GOLDEN, examine};
+use hertzscope::cli::installation::{GOLDEN, examine};
 use serde_json::Value;
 
 use super::{printed, temporary};

@@ -2,11 +2,11 @@
 //! chain in the sensor's file.
 
 use assert_cmd::Command;
-use hertzscope::analysis::calibration::model::SpeedSource;
-use hertzscope::analysis::calibration::{Calibration, Draws, calibrate};
+use hertzscope::calibrate::equation::SpeedSource;
+use hertzscope::calibrate::simulation::BlindCalibration;
+use hertzscope::calibrate::{Calibration, Draws, calibrate};
 use hertzscope::recording::mcap;
 use hertzscope::scene::{plan, plates};
-use hertzscope::studies::momentum_test::BlindCalibration;
 use std::path::Path;
 
 use crate::calibration::BENCH;
@@ -82,7 +82,7 @@ fn intervals_hold_where_impacts_scatter_more_than_stated() {
                 }
             }
             let found = calibrated(&blind);
-            inside += i32::from((found.sensitivity - truth).abs() <= found.expanded());
+            inside += i32::from((found.sensitivity - truth).abs() <= found.expanded);
         }
         let coverage = f64::from(inside) / 400.0;
         assert!((0.93..=0.98).contains(&coverage), "scatter {times} times: {coverage}");
@@ -106,7 +106,7 @@ fn a_non_linearity_that_is_found_counts() {
         let found = calibrated(&BENCH.designer.blind(&BENCH.striker, &truths, circuit, setup));
         let there = 1.04 * circuit.sensitivity;
         found_it += i32::from(found.nonlinearity.is_some_and(|line| line.is_found()));
-        inside += i32::from((found.sensitivity - there).abs() <= found.expanded());
+        inside += i32::from((found.sensitivity - there).abs() <= found.expanded);
     }
     println!("{found_it} found, {inside} inside");
     // Where noise hides it, nothing can be counted.
@@ -238,9 +238,9 @@ fn what_stays_above_the_plate_is_taken_off() {
     blind.common.above = read;
     let found = calibrated(&blind);
     let off = (found.sensitivity - circuit.sensitivity).abs();
-    assert!(off < found.expanded() && off < 0.01 * circuit.sensitivity, "{off}");
+    assert!(off < found.expanded && off < 0.01 * circuit.sensitivity, "{off}");
     // u of the share over what is left: 0.05 * 0.125/0.875.
-    let line = found.budget.iter().find(|line| line.name() == "inertia above the plate");
+    let line = found.budget.iter().find(|line| line.name == "inertia above the plate");
     let share = line.expect("a line").contribution.abs() / found.sensitivity;
     assert!((share / (0.05 * 0.125 / 0.875) - 1.0).abs() < 0.01, "{share}");
     write(folder.path(), |plan| plan.replace("[sensor]\n", "[sensor]\nmass_above = \"1 g\"\n"));

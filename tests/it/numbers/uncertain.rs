@@ -4,9 +4,9 @@
 use assert_cmd::Command;
 use hertzscope::experiment::outcome::Speed;
 use hertzscope::experiment::prediction::{Prediction, predict};
+use hertzscope::predict::{SampleOptions, uncertain_prediction};
 use hertzscope::scene::Scene;
 use hertzscope::scene::adjust::Adjustable;
-use hertzscope::studies::uncertainty::{SampleOptions, uncertain_prediction};
 
 const SHORT: &str = "base = \"magnet-0.61g\"\nduration = \"400 us\"\n\
     [[chain.segments]]\nparticles = [\"ferromagnetic_sphere\", \"ptfe_sphere\"]\n\

@@ -1,0 +1,133 @@
+//! A force sensor's sensitivity from impacts of known momentum.
+//!
+//! A striker of mass `m` that arrives with `v_i` and leaves with `v_r` hands over `M = m (v_i +
+//! v_r) + m g (t2 - t1)`, its weight during the contact included; the sensor's voltage `V`, with
+//! its droop undone, integrates to `S M`: `S = integral (V + (1/tau) integral V) dt / M`.
+//! [`plan_run`] reads a plan's recordings, [`impact`] evaluates one record, [`equation`] is that
+//! equation with all its inputs and the budget of their uncertainties (GUM), [`monte_carlo`] checks
+//! it by draws (GUM's first supplement), [`result`] and [`report`] are what the certificate
+//! contains. [`design`] and [`blind`] try calibrations on simulated impacts ([`simulation`]). A
+//! plate below a mass `m_a` in a host that moves as a whole, `m_t` with all that it takes along,
+//! receives the share `1 - m_a/m_t` of `M`. Source: the balance of linear momentum; JCGM 100:2008;
+//! JCGM 101:2008. Valid where the sensor measures the whole contact force and nothing else, and the
+//! striker is rigid and falls freely but for the contact.
+
+pub mod blind;
+pub mod design;
+pub mod equation;
+pub mod error;
+mod files;
+pub mod impact;
+pub mod monte_carlo;
+pub mod plan_run;
+pub mod record;
+pub mod report;
+pub mod result;
+pub mod simulation;
+mod tail;
+
+pub use error::CalibrationError;
+pub use monte_carlo::Draws;
+pub use plan_run::{PlanRunError, run};
+pub use record::Exclusion;
+pub use report::CalibrationReport;
+pub use result::{Calibration, ImpactResult, NonLinearity, PlannedStrike};
+
+use self::equation::{Common, MeasurementEquation};
+use self::impact::Impact;
+use self::result::assemble;
+use crate::analysis::baseline::scatter;
+use crate::analysis::quiet_scope::MovingScatter;
+use crate::numeric::statistics::median;
+
+/// An impact this many standard uncertainties away from the others is left out (1).
+pub const OUTLIER_DEVIATIONS: f64 = 5.0;
+/// Takes a median of absolute deviations to a standard deviation of normal numbers (1).
+const MEDIAN_TO_DEVIATION: f64 = 1.4826;
+
+/// Calibrates.
+///
+/// # Errors
+/// [`CalibrationError`] where fewer than two impacts can be used or the time constant is
+/// not determined.
+pub fn calibrate(
+    strikes: &[PlannedStrike],
+    common: &Common,
+    draws: Draws,
+) -> Result<Calibration, CalibrationError> {
+    let given = common.tau.map(|tau| tau.value);
+    let scatters = scatters(strikes);
+    let each = || strikes.iter().map(|strike| &strike.record).zip(scatters.iter().copied());
+    let tails: Vec<_> = each().map(|(record, scatter)| tail::fit(record, scatter)).collect();
+    let tau = given.or_else(|| tail::weighted_mean(&tails)).ok_or_else(|| no_tau(strikes))?;
+    let read: Vec<Result<Impact, Exclusion>> =
+        each().map(|(record, scatter)| Impact::read(record, scatter, tau)).collect();
+    let mut used: Vec<usize> = (0..read.len()).filter(|i| read[*i].is_ok()).collect();
+    let mut excluded: Vec<(usize, Exclusion)> = Vec::new();
+    for (index, result) in read.iter().enumerate() {
+        excluded.extend(result.as_ref().err().map(|why| (index, why.clone())));
+    }
+    let equation = loop {
+        if used.len() < 2 {
+            let (used, all) = (used.len(), strikes.len());
+            return Err(CalibrationError::TooFew { used, all, reasons: excluded });
+        }
+        let impacts = used.iter().filter_map(|i| {
+            let impact = read[*i].as_ref().ok()?;
+            Some((*i, impact, &strikes[*i].motion, tails[*i].as_ref()))
+        });
+        let equation = MeasurementEquation::new(impacts, common)?;
+        match outlier(&equation) {
+            Some((position, times)) => {
+                excluded.push((used.remove(position), Exclusion::Outlier { times }));
+            }
+            None => break equation,
+        }
+    };
+    let calibration = assemble((strikes, common), read, &excluded, equation, draws);
+    calibration.check_finite()?;
+    Ok(calibration)
+}
+
+/// How the samples of each record scatter about a smooth curve: records of one range have one
+/// noise, and tell it together.
+fn scatters(strikes: &[PlannedStrike]) -> Vec<MovingScatter> {
+    let one = |strike: &PlannedStrike| {
+        (strike.record.level, scatter(&strike.record.trace, strike.record.level))
+    };
+    let each: Vec<(f64, MovingScatter)> = strikes.iter().map(one).collect();
+    let same = |level: f64| {
+        let same = each.iter().filter(move |(other, _)| other.to_bits() == level.to_bits());
+        same.fold(MovingScatter::default(), |sum, (_, one)| sum.with(*one))
+    };
+    each.iter().map(|(level, _)| same(*level)).collect()
+}
+
+/// The reasons of impacts that could not be read; without any, the missing time constant.
+fn no_tau(strikes: &[PlannedStrike]) -> CalibrationError {
+    let guess = |strike: &PlannedStrike| {
+        Impact::read(&strike.record, MovingScatter::default(), f64::INFINITY).err()
+    };
+    let reasons: Vec<(usize, Exclusion)> =
+        strikes.iter().enumerate().filter_map(|(i, s)| Some((i, guess(s)?))).collect();
+    if reasons.len() + 1 < strikes.len() {
+        return CalibrationError::NoTimeConstant;
+    }
+    let used = strikes.len() - reasons.len();
+    CalibrationError::TooFew { used, all: strikes.len(), reasons }
+}
+
+/// The impact farthest from the others, if it is too far: by its own uncertainty and by the others'
+/// scatter.
+fn outlier(equation: &MeasurementEquation) -> Option<(usize, f64)> {
+    let values = equation.each();
+    if values.len() < 3 {
+        return None;
+    }
+    let middle = median(values.iter().map(|(s, _)| *s).collect());
+    let scatter =
+        MEDIAN_TO_DEVIATION * median(values.iter().map(|(s, _)| (s - middle).abs()).collect());
+    let times = |(s, u): &(f64, f64)| (s - middle).abs() / u.max(scatter);
+    let all = values.iter().map(times).enumerate();
+    all.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, times)| *times > OUTLIER_DEVIATIONS)
+}
