@@ -2,10 +2,10 @@
 //! be played with.
 //!
 //! An event becomes an [`model::Action`] (`keys`), an action changes the [`ScreenState`] (`model`),
-//! the model is drawn (`view`, `pages`). What takes long or touches files is a [`job::Job`]: threads
-//! (`work`) do it, and its result is a change of the model that comes through the same channel as
-//! the keys. Only this file, `work` and the jobs touch the world; everything else can be tested
-//! without one.
+//! the model is drawn (`view`, `pages`). What takes long or touches files is a [`job::Job`]:
+//! threads (`work`) do it, and its result is a change of the model that comes through the same
+//! channel as the keys. Only this file, `work` and the jobs touch the world; everything else can be
+//! tested without one.
 //!
 //! The screen is drawn again when something has happened and never otherwise. Events that are
 //! already waiting are taken together, so that holding a key down over a slow connection does not

@@ -6,11 +6,11 @@ use std::sync::{Arc, Mutex};
 use crate::experiment::{Integration, facts, run};
 use crate::measurement::compare::score_limits::ScoreLimits;
 use crate::measurement::compare::{Align, Compared, ComparedShot, compare};
+use crate::predict::{SampleOptions, UncertainPrediction, judge, uncertain_prediction};
 use crate::recording::format::{Format, open};
 use crate::recording::{Origin, Shot, TraceSet};
 use crate::scene::Scene;
 use crate::scene::adjust::Adjustable;
-use crate::predict::{    SampleOptions, UncertainPrediction, judge, uncertain_prediction,};
 use crate::tui::job::with_reasons;
 
 /// Limits of the comparison's scores.

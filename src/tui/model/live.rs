@@ -5,11 +5,11 @@ use super::screen_state::ScreenState;
 use super::state::{RunState, ordinate_unit};
 use crate::experiment::auto_effects::resolve_auto_effects;
 use crate::experiment::{Integration, facts, run};
+use crate::predict::{SampleOptions, TraceBand, trace_bands};
 use crate::recording::TraceSet;
 use crate::scene::Scene;
 use crate::scene::adjust::Adjustable;
 use crate::scope::Waveform;
-use crate::predict::{SampleOptions, TraceBand, trace_bands};
 use crate::trace::Trace;
 use crate::tui::job::{Job, JobState, Queue, with_reasons};
 

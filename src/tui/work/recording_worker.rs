@@ -15,7 +15,11 @@ const FILE_POLL_INTERVAL: Duration = Duration::from_millis(50);
 const REPORT_INTERVAL: Duration = Duration::from_millis(100);
 
 /// Starts the thread; it takes places of shots.
-pub fn start(recording: IndexedRecording, follow: bool, events: &Sender<ScreenEvent>) -> Sender<usize> {
+pub fn start(
+    recording: IndexedRecording,
+    follow: bool,
+    events: &Sender<ScreenEvent>,
+) -> Sender<usize> {
     let (places, received) = channel();
     let events = events.clone();
     thread::spawn(move || {
@@ -93,7 +97,8 @@ impl RecordingWorker {
     }
 
     fn send_shot(&mut self, place: usize) -> Result<(), Disconnected> {
-        self.sent = Some((place, [self.recording.pieces(place), self.recording.line_pieces(place)]));
+        self.sent =
+            Some((place, [self.recording.pieces(place), self.recording.line_pieces(place)]));
         let lines = self.recording.lines_around(place);
         let found = lines.and_then(|lines| Ok((self.recording.shot_and_notes(place)?, lines)));
         match found {
