@@ -420,7 +420,7 @@ fn a_shot_behind_changes_nothing_in_front() {
     let mut front = shot(1, four);
     let force: Vec<f64> = (0..100).map(f64::from).collect();
     front.truth = vec![Trace {
-        name: "contact1 force".to_owned(),
+        name: "contact/1: force in contact 1".to_owned(),
         unit: "N".to_owned(),
         start: 0.0,
         interval: 1e-5,

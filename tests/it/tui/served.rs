@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 
-use super::bench::draw;
+use super::bench::{compute, draw};
 use crate::server::Server;
 use hertzscope::client::{Address, Client, ClientTiming};
 use hertzscope::recording::mcap::read;
@@ -72,6 +72,7 @@ impl Session {
 
     fn act(&mut self, action: Action) {
         update(&mut self.model, action);
+        compute(&mut self.model);
         self.staff.serve(&mut self.model, SIZE);
     }
 
