@@ -36,10 +36,10 @@ mod work_precision;
 pub use arrivals::{arrivals, arrivals_picture};
 pub use comparison::{comparison_facts, comparison_page};
 pub use contents::{contents, contents_after, contents_before, contents_of};
-pub use effects::{effects, effects_picture};
+pub use effects::{effects, effects_picture, effects_table};
 pub use fit::{blind, fit_page};
 pub use forces::{ForcePage, force_picture, forces};
-pub use hard_cases::{hard_cases, hard_cases_picture};
+pub use hard_cases::{hard_cases, hard_cases_picture, hard_cases_table};
 pub use json::{ResultError, check_finite, to_json};
 pub use paper::{PaperPicture, paper, paper_parts, paper_pictures};
 #[cfg(feature = "png")]
@@ -48,6 +48,7 @@ pub use screen::screen;
 pub use statistics::{statistics, statistics_table};
 pub use summary::summary;
 pub use sweep::{gathering, sweep};
+pub use table::RowTable;
 pub use tunability::{TunabilityPage, transmitted, tunability, tunability_picture};
 pub use uncertainty::{
     bands_picture, budget_picture, normalised_error_lines, prediction_intervals, shot_picture,
