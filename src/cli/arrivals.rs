@@ -5,13 +5,11 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::acquire::one_shot;
 use super::input::{ReadingArguments, no_capture};
 use super::picture::{self, PlotArguments};
 use crate::measurement::arrivals::{Survey, survey};
 use crate::measurement::statistics::{ShotStatistic, statistics};
-use crate::recording::{Shot, TraceSet};
-use crate::recording::format::for_each_shot;
+use crate::recording::Shot;
 use crate::report;
 use crate::table;
 
@@ -63,26 +61,17 @@ impl AllArrivals {
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     arguments.plot.check()?;
-    let (mut surveys, mut problems) = (Vec::new(), Vec::new());
+    let mut recording = arguments.reading.open_recording(&arguments.file)?;
+    let problems = recording.facts().problems.clone();
+    let mut surveys = Vec::new();
     let mut first: Option<Shot> = None;
-    let reading = &arguments.reading;
-    let mut take = |mut set: TraceSet| {
-        problems = std::mem::take(&mut set.problems);
-        reading.apply(&mut set)?;
-        let shots = set.shots.iter().filter(|shot| !shot.captures.is_empty());
-        for shot in shots {
-            surveys.push(survey(&set, shot));
+    arguments.reading.for_each_shot(&mut recording, |set| {
+        for shot in set.shots.iter().filter(|shot| !shot.captures.is_empty()) {
+            surveys.push(survey(set, shot));
             first.get_or_insert_with(|| shot.clone());
         }
-        anyhow::Ok(())
-    };
-    match reading.selection.shot() {
-        Some(number) => take(reading.table.open_shot(&arguments.file, number)?)?,
-        None => match one_shot(&arguments.file)? {
-            Some(set) => take(set)?,
-            None => for_each_shot(&arguments.file, &reading.table.columns(), take)?,
-        },
-    }
+        Ok(())
+    })?;
     if surveys.is_empty() {
         return Err(no_capture(&problems));
     }

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::budget::DrawArguments;
 use super::input::{
-    SensorAssignment, Selection, TableArguments, assignment, shot, wire_all, wired,
+    SensorAssignment, Selection, TableArguments, assignment, channels, shot, wire_all, wired,
 };
 use super::overwrite::ending;
 use super::picture::PlotArguments;
@@ -21,6 +21,7 @@ use crate::measurement::compare::score_limits::ScoreLimits;
 use crate::measurement::compare::{Align, Compared, ComparedShot, Comparison, compare};
 use crate::predict::{NormalisedError, judge, normalised_errors};
 use crate::recording::format::{Format, open_shot};
+use crate::recording::tek_csv::TableColumns;
 use crate::recording::{TraceSet, mcap};
 use crate::report;
 use crate::report::page::{self, Part, html, markdown};
@@ -115,7 +116,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     let mut set = arguments.table.open_shot(&arguments.measured, number)?;
     arguments.selection.keep_channels(&mut set)?;
-    wire_all(&mut set, &arguments.sensor)?;
+    let names = channels(&set);
+    wire_all(&mut set, &names, &arguments.sensor)?;
     let simulation = Simulation::of(arguments)?;
     let name = arguments.measured.display().to_string();
     let measured =
@@ -185,7 +187,7 @@ impl Simulation {
     fn of(arguments: &Arguments) -> anyhow::Result<Self> {
         let path = Path::new(&arguments.simulated);
         if Format::of(path).is_some() {
-            let set = open_shot(path, arguments.simulated_shot)?;
+            let set = open_shot(path, arguments.simulated_shot, &TableColumns::default())?;
             return Ok(Self { set, shot: arguments.simulated_shot, scene: None });
         }
         let scene = Scene::load(&arguments.simulated)?;

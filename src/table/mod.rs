@@ -14,7 +14,7 @@ pub use cell::{Cell, Column, ColumnKind, Table, TableError};
 use std::io::{BufWriter, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
-use crate::files::{NewFile, Output as _};
+use crate::files::NewFile;
 
 fn shown(file: &Path) -> String {
     file.display().to_string()
@@ -191,7 +191,7 @@ impl TableWriter {
             #[cfg(feature = "parquet")]
             Out::Parquet(out) => out.finish()?,
         };
-        Box::new(file).complete().map(|_| ()).map_err(at(&self.file))
+        file.complete().map(|_| ()).map_err(at(&self.file))
     }
 }
 
