@@ -132,6 +132,7 @@ impl PreparedRecord {
             Err(PulseError::NotAtRest { rms, noise, .. }) => {
                 return Err(Exclusion::NotAtRest { times: rms / noise });
             }
+            Err(PulseError::NoZero { .. }) => return Err(Exclusion::NoPreTrigger { samples: 0 }),
             Err(_) => return Err(Exclusion::NoPulse),
         };
         let noise = baseline.rounding.sample();
