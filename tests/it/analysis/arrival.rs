@@ -283,7 +283,7 @@ fn a_foot_in_the_baseline_is_covered() {
 fn a_record_that_begins_in_the_foot_has_no_zero() {
     let pulse = |t: f64| ((t - 85e-6) / 50e-6).cosh().powi(-2);
     for seed in 0..20 {
-        let trace = noisy(&sampled(1500, 0.4e-6, pulse), 0.02, 0.4e-6, seed);
+        let trace = noisy(&sampled(1500, 0.4e-6, pulse), 0.005, 0.4e-6, seed);
         let found = Pulse::find(&trace, Conditions::default());
         assert!(matches!(found, Err(PulseError::NoZero { .. })), "{found:?}");
     }
