@@ -11,7 +11,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use common::clock::{cpu_time, median};
-use hertzscope::chain::simd::InstructionSet;
+use hertzscope::motion::kernel::InstructionSet;
 use hertzscope::sweep::gather::GatheredLogs;
 use hertzscope::sweep::log::SweepLog;
 use hertzscope::sweep::plan::SweepPlan;

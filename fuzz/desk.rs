@@ -84,8 +84,9 @@ impl Device for Desk {
         self.session(session).0.clear();
     }
 
-    fn trigger(&mut self, session: u16) {
-        self.input(session, b"*TRG", true);
+    fn trigger(&mut self, session: u16) -> Vec<u8> {
+        let (session, instrument) = self.session(session);
+        bytes_of(session.trigger(instrument))
     }
 
     fn lock_keys(&mut self, locked: bool) {

@@ -3,7 +3,7 @@
 
 use hertzscope::experiment;
 use hertzscope::experiment::bench::{Bench, Grid};
-use hertzscope::integrate::{IntegrateError, Method};
+use hertzscope::motion::{IntegrateError, Method};
 
 use super::scenes::Case;
 

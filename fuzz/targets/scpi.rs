@@ -71,7 +71,7 @@ pub fn run(input: &[u8]) {
             }
             _ => {}
         }
-        instrument.keep_consistent();
+        instrument.apply_panel();
         let _ = instrument.take_finished();
         for session in &mut sessions {
             length(session.resume(&mut instrument));

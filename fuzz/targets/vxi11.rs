@@ -7,11 +7,9 @@
 
 #![cfg_attr(not(test), no_main)]
 
-use std::net::{IpAddr, Ipv4Addr};
-
 use hertzscope::vxi11::procedure::{ABORT_PROGRAM, CORE_PROGRAM};
-use hertzscope::vxi11::rpc::{MAX_RECORD, call, record};
-use hertzscope::vxi11::{Interrupt, MAX_LINKS, Vxi11Server, port_mapper};
+use hertzscope::vxi11::rpc::{MAX_RECORD, record, words};
+use hertzscope::vxi11::{MAX_LINKS, Vxi11Server, port_mapper};
 
 #[cfg(not(test))]
 #[path = "../desk.rs"]
@@ -33,7 +31,7 @@ pub fn run(input: &[u8]) {
         let slot = usize::from(what % 5);
         let number = slot as u64;
         if !open[slot] {
-            server.opened(number, IpAddr::V4(Ipv4Addr::LOCALHOST));
+            server.opened(number);
             open[slot] = true;
         }
         match what / 5 % 4 {
@@ -47,7 +45,8 @@ pub fn run(input: &[u8]) {
             _ => {
                 let [procedure, arguments @ ..] = bytes else { continue };
                 let program = if *procedure == 1 { ABORT_PROGRAM } else { CORE_PROGRAM };
-                let message = call(7, [program, 1, u32::from(*procedure)], arguments);
+                let head = words(&[7, 0, 2, program, 1, u32::from(*procedure), 0, 0, 0, 0]);
+                let message = [&head, arguments].concat();
                 server.received(number, &record(&message), &mut desk);
             }
         }
@@ -59,12 +58,6 @@ pub fn run(input: &[u8]) {
             server.reply(session, &reply);
         }
         server.advance(now, &mut desk);
-        for interrupt in server.take_interrupts() {
-            if let Interrupt::Connect(number, address) = interrupt {
-                assert_eq!(*address.ip(), Ipv4Addr::LOCALHOST, "to the client alone");
-                server.interrupt_channel(number, bytes.len().is_multiple_of(2));
-            }
-        }
         for output in server.take_output() {
             assert!(output.bytes.len() <= 2 * MAX_RECORD + (1 << 20), "a reply has an end");
             if output.close {

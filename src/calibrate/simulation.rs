@@ -13,7 +13,6 @@ use super::equation::Common;
 use super::error::CalibrationError;
 use super::result::{Calibration, PlannedStrike};
 use super::{Draws, calibrate};
-use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, RunError, run};
 use crate::recording::{Capture, InstrumentIdentity, TrueSignal};
 use crate::scene::plan::lab::LabStriker;
@@ -111,7 +110,7 @@ pub fn strike(striker: &LabStriker, speed: f64, gravity: f64) -> Result<ImpactTr
             ANVIL_MASS * gravity
         );
         let scene = Scene::from_text(SCENE, "momentum test", &text)?;
-        let outcome = run(&scene, Integration::Accuracy(of_scene(&scene)?.value), 1, &mut |_| ())?;
+        let outcome = run(&scene, Integration::Accuracy(scene.accuracy), 1, &mut |_| ())?;
         let force = outcome.shot.true_signal(&TrueSignal::Force("item".to_owned()));
         let path = outcome.shot.true_signal(&TrueSignal::Displacement(0));
         if let (Some(force), Some(path)) = (force, path)

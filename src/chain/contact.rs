@@ -3,6 +3,9 @@
 use super::hertz;
 use super::loss::{ContactLoss, Touch};
 
+/// Root of the static overlap that makes a Hertz contact a spring (m^0.5).
+const SPRING_ROOT: f64 = 1e10;
+
 /// How a contact's force follows its overlap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Law {
@@ -43,6 +46,19 @@ impl Contact {
     /// Stiffness against small changes of the static state (N/m).
     pub fn static_stiffness(&self) -> f64 {
         hertz::tangent_stiffness(self.stiffness, self.static_overlap)
+    }
+
+    /// The contact as one that follows Hertz's law: stiffness `A` (N/m^1.5), static overlap (m) and
+    /// the root of that (m^0.5). A spring of stiffness `k` is one under an immense preload: with
+    /// `d0 = 1e20 m` and `A = 2/3 k/sqrt(d0)`, `A ((d0 + u)^1.5 - d0^1.5)` is `k u` to rounding.
+    pub fn as_hertz(&self) -> (f64, f64, f64) {
+        match self.law {
+            Law::Hertz => (self.stiffness, self.static_overlap, self.static_overlap.sqrt()),
+            Law::Linearised => {
+                let stiffness = self.static_stiffness() / (1.5 * SPRING_ROOT);
+                (stiffness, SPRING_ROOT * SPRING_ROOT, SPRING_ROOT)
+            }
+        }
     }
 
     /// Change of the force when the overlap grows by `change` (m) over the static one (N).
@@ -131,6 +147,22 @@ impl Contact {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// `k u`, by Hertz's law, from the smallest overlap to far above any that a bench has.
+    #[test]
+    fn a_spring_is_a_hertz_contact_under_an_immense_preload() {
+        let (stiffness, static_overlap) = (1.194e8, 7.35e-6);
+        let static_force = hertz::force(stiffness, static_overlap);
+        let law = Law::Linearised;
+        let spring = Contact { stiffness, static_force, static_overlap, law, ..Contact::OPEN };
+        let (as_hertz, _, root) = spring.as_hertz();
+        let k = 1.5 * stiffness * static_overlap.sqrt();
+        for change in [-1.0, -1e-5, 1e-30, 1e-9, 3e-6, 1.0] {
+            let (force, tangent) = hertz::force_and_tangent(as_hertz, root, change);
+            assert!((force / (k * change) - 1.0).abs() < 1e-15, "{change}: {force}");
+            assert!((tangent / k - 1.0).abs() < 1e-15, "{change}: {tangent}");
+        }
+    }
 
     #[test]
     fn energy_change_agrees_with_the_plain_difference() {

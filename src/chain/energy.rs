@@ -8,8 +8,7 @@
 
 use serde::Serialize;
 
-use super::{Body, Chain};
-use crate::integrate::State;
+use super::{Body, Chain, State};
 
 /// The chain's energy by kind.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]

@@ -155,6 +155,16 @@ mod tests {
         assert!(cube_root(f64::NAN).is_nan());
     }
 
+    /// By hand from Johnson's Eqs. (4.24) and (6.9): `E* = 100 GPa`, `R* = 10 mm`, `Y = 1 GPa`, so
+    /// that `p0 = 1.6 GPa` and `F = pi^3 (10 mm)^2 (1.6 GPa)^3 / (6 (100 GPa)^2) = 211.67 N`.
+    #[test]
+    fn first_yield_is_that_of_johnson() {
+        let rigid = Elasticity { youngs_modulus: f64::INFINITY, poissons_ratio: 0.0 };
+        let soft = Elasticity { youngs_modulus: 100e9, poissons_ratio: 0.0 };
+        let force = first_yield((soft, 100.0), (rigid, 0.0), 1e9);
+        assert!((force - 211.67).abs() < 0.005, "{force}");
+    }
+
     #[test]
     fn overlap_inverts_force() {
         for f in [1e-9, 4.4e-3, 2.38, 1e3] {

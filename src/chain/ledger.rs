@@ -1,12 +1,8 @@
-//! What the losses have taken, read from the accounts of a [`super::ChainSystem`].
+//! What the losses have taken, read from the accounts of a chain in motion.
 
 use serde::Serialize;
 
-use super::{ACCOUNTS, Chain, Energy};
-use crate::integrate::State;
-
-/// Names of the kinds of loss, in the order of a contact's terms.
-const NAMES: [&str; 3] = ["dashpot", "kuwabara_kono", "power_law_loss"];
+use super::{ACCOUNTS, Chain, Energy, LOSS_MODELS, State};
 
 /// Energy taken by the losses of a run.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
@@ -51,7 +47,7 @@ impl Chain {
 
     /// Speed that stands for one joule in the accounts: the largest initial speed for the initial
     /// kinetic energy (m/s/J).
-    pub(super) fn account_unit(&self, initial_velocity: &[f64]) -> f64 {
+    pub(crate) fn account_unit(&self, initial_velocity: &[f64]) -> f64 {
         let moving = self.bodies.iter().zip(initial_velocity);
         let kinetic: f64 = moving.map(|(body, v)| 0.5 * body.mass * v * v).sum();
         let fastest = initial_velocity.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
@@ -63,12 +59,11 @@ impl Chain {
         let unit = self.account_unit(initial_velocity);
         let accounts = state.velocity.get(self.bodies.len()..).unwrap_or_default();
         let on = |kind: usize| {
-            let coefficient = |contact: &super::Contact| {
-                contact.loss.map_or(0.0, |l| [l.dashpot, l.relaxation, l.power_force][kind])
-            };
-            self.contacts.iter().any(|contact| coefficient(contact) > 0.0)
+            let coefficient = |loss: super::ContactLoss| loss.coefficients()[kind];
+            self.contacts.iter().any(|contact| contact.loss.map_or(0.0, coefficient) > 0.0)
         };
-        let entries = NAMES.into_iter().zip(accounts).enumerate();
+        let names = LOSS_MODELS.iter().map(|model| model.name);
+        let entries = names.zip(accounts).enumerate();
         let losses = entries.filter(|(kind, _)| on(*kind));
         let losses = losses.map(|(_, (loss, value))| LossEntry { loss, energy: value / unit });
         let kept = accounts.get(ACCOUNTS - 1).map_or(0.0, |value| value / unit);

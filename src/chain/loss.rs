@@ -10,6 +10,10 @@ use super::hertz;
 /// Kinds of loss, in the order of [`LossTerms`].
 pub const KINDS: usize = 3;
 
+/// Accounts behind the bodies of a chain with losses: one a kind of loss, and the energy in
+/// contacts held at zero force.
+pub const ACCOUNTS: usize = KINDS + 1;
+
 /// Force (N) or power (J/s) of each kind: dashpot, Kuwabara-Kono, power law.
 pub type LossTerms = [f64; KINDS];
 
@@ -80,7 +84,7 @@ pub struct Tangent {
 
 impl ContactLoss {
     /// Nothing lost.
-    pub(super) const NONE: Self = Self {
+    pub(crate) const NONE: Self = Self {
         dashpot: 0.0,
         relaxation: 0.0,
         power_force: 0.0,
@@ -93,13 +97,18 @@ impl ContactLoss {
         self.dashpot > 0.0 || self.power_force > 0.0
     }
 
+    /// Coefficient of each kind (unit).
+    pub fn coefficients(&self) -> LossTerms {
+        [self.dashpot, self.relaxation, self.power_force]
+    }
+
     /// Whether anything is lost at all.
     pub fn is_some(&self) -> bool {
         self.jumps() || self.relaxation > 0.0
     }
 
     /// Force of each kind, nothing held (N).
-    pub(super) fn terms(&self, stiffness: f64, touch: Touch) -> LossTerms {
+    pub(crate) fn terms(&self, stiffness: f64, touch: Touch) -> LossTerms {
         let Touch { overlap, closing, closed, .. } = touch;
         let viscous = if self.relaxation > 0.0 {
             self.relaxation * hertz::tangent_stiffness(stiffness, overlap) * closing
@@ -121,7 +130,7 @@ impl ContactLoss {
 
     /// The force that the contact would have if nothing held it, and the sum of its parts'
     /// magnitudes (N).
-    pub(super) fn unheld(&self, stiffness: f64, touch: Touch) -> (f64, f64) {
+    pub(crate) fn unheld(&self, stiffness: f64, touch: Touch) -> (f64, f64) {
         let terms = self.terms(stiffness, touch);
         let sizes = terms.iter().map(|term| term.abs()).sum::<f64>();
         (touch.elastic + terms.iter().sum::<f64>(), touch.elastic.abs() + sizes)

@@ -10,8 +10,6 @@
 //! matrices.
 
 use super::{Chain, Contact, hertz};
-use crate::integrate::Pacing;
-use crate::integrate::two_step::StiffContact;
 
 /// Relative width at which the bisection for an eigenvalue ends (1).
 const EIGENVALUE_TOLERANCE: f64 = 1e-12;
@@ -27,9 +25,16 @@ pub struct StabilityLimit {
     pub lower: String,
 }
 
-/// Largest speed (m/s).
+/// Speeds at which contacts close at most if the bodies beside them have these velocities in
+/// whatever direction: their sum (m/s).
+fn closing_speed(velocity: &[f64], j: usize) -> f64 {
+    let speed = |i: Option<usize>| i.and_then(|i| velocity.get(i)).map_or(0.0, |v| v.abs());
+    speed(j.checked_sub(1)) + speed(Some(j))
+}
+
+/// Largest speed at which neighbours with these velocities meet (m/s).
 fn fastest(velocity: &[f64]) -> f64 {
-    velocity.iter().fold(0.0_f64, |most, v| most.max(v.abs()))
+    (0..=velocity.len()).map(|j| closing_speed(velocity, j)).fold(0.0, f64::max)
 }
 
 impl Chain {
@@ -74,7 +79,7 @@ impl Chain {
     }
 
     /// Inverse masses of the bodies above and below contact `j`; zero for walls (1/kg).
-    fn inverse_masses(&self, j: usize) -> [f64; 2] {
+    pub(crate) fn inverse_masses(&self, j: usize) -> [f64; 2] {
         [j.checked_sub(1), Some(j)]
             .map(|i| i.and_then(|i| self.bodies.get(i)).map_or(0.0, |body| 1.0 / body.mass))
     }
@@ -90,8 +95,7 @@ impl Chain {
             if contact.stiffness == 0.0 {
                 return 0.0;
             }
-            let speed = |i: Option<usize>| i.and_then(|i| velocity.get(i)).map_or(0.0, |v| v.abs());
-            let closing = speed(j.checked_sub(1)).max(speed(Some(j)));
+            let closing = closing_speed(velocity, j);
             let mobility: f64 = self.inverse_masses(j).iter().sum();
             let dynamic = hertz::collision_overlap(contact.stiffness, 1.0 / mobility, closing);
             hertz::tangent_stiffness(contact.stiffness, contact.static_overlap.max(dynamic))
@@ -179,54 +183,6 @@ impl Chain {
         };
         self.contacts.iter().enumerate().map(slope).collect()
     }
-
-    /// How fast the chain is when its bodies have these velocities (m/s): each contact at its
-    /// static overlap and that of a collision at the largest speed besides. Decides on the length
-    /// of steps of two lengths.
-    ///
-    /// What overlaps do to each other's accelerations, `K_j (1/m_above + 1/m_below)` and
-    /// `K_(j-1)/m_above`, `K_(j+1)/m_below`, has no eigenvalue above the largest sum of a row's
-    /// magnitudes, the square of the frequency returned. For a long chain of two kinds of bodies
-    /// that is the highest.
-    pub fn pacing(&self, velocity: &[f64]) -> Pacing {
-        let speed = fastest(velocity);
-        let mut springs: Vec<(f64, [f64; 2])> = Vec::with_capacity(self.contacts.len());
-        // Neighbours are mostly alike, and the power that a collision's overlap takes is slow.
-        let mut last = ([0; 2], 0.0);
-        for (j, contact) in self.contacts.iter().enumerate() {
-            let masses = self.inverse_masses(j);
-            let kind = [contact.stiffness, masses[0] + masses[1]].map(f64::to_bits);
-            if kind != last.0 && contact.stiffness > 0.0 {
-                let reduced = 1.0 / (masses[0] + masses[1]);
-                last = (kind, hertz::collision_overlap(contact.stiffness, reduced, speed));
-            }
-            springs.push((contact.tangent_stiffness(last.1), masses));
-        }
-        let squares = springs.iter().map(|(stiffness, [above, below])| stiffness * (above + below));
-        let stiffest = squares.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
-        let all = highest_square(&springs).sqrt();
-        let Some((j, square)) = stiffest else { return Pacing { frequency: all, stiff: None } };
-        springs[j].0 = 0.0;
-        let (others, own) = (highest_square(&springs).sqrt(), square.sqrt());
-        // In a chain of contacts that are all alike it is the root of 1/2 of it.
-        if own <= others {
-            return Pacing { frequency: all, stiff: None };
-        }
-        let bodies = [j.checked_sub(1), Some(j).filter(|j| *j < self.bodies.len())];
-        let static_overlap = self.contacts[j].static_overlap;
-        let stiff = StiffContact { bodies, static_overlap, frequency: own };
-        Pacing { frequency: others, stiff: Some(stiff) }
-    }
-}
-
-/// A bound of the square of the highest angular frequency of contacts with these stiffnesses (N/m)
-/// between bodies of these inverse masses (1/kg) (1/s²).
-fn highest_square(springs: &[(f64, [f64; 2])]) -> f64 {
-    let beside = |j: Option<usize>| j.and_then(|j| springs.get(j)).map_or(0.0, |s| s.0);
-    let sum = |(j, (stiffness, [above, below])): (usize, &(f64, [f64; 2]))| {
-        stiffness * (above + below) + beside(j.checked_sub(1)) * above + beside(Some(j + 1)) * below
-    };
-    springs.iter().enumerate().map(sum).fold(0.0, f64::max)
 }
 
 /// Dynamic overlap of one contact when a body of `mass` (kg) runs into it with `speed` (m/s) (m).

@@ -8,11 +8,8 @@ use super::{
 /// Constant force on each body from effects and end forces, the magnet's excepted, downward
 /// positive (N).
 pub fn loads(spec: &ChainSpec, bodies: &[Body]) -> Vec<f64> {
-    let masses: Vec<f64> = bodies.iter().map(|b| b.mass).collect();
-    let mut loads = vec![0.0; bodies.len()];
-    for effect in spec.effects.active() {
-        effect.add_load(&masses, spec.striker.is_some(), &mut loads);
-    }
+    let gravity = spec.effects.gravity.map_or(0.0, |gravity| gravity.acceleration);
+    let mut loads: Vec<f64> = bodies.iter().map(|body| body.mass * gravity).collect();
     // Below a striker the end force has no face of its own to press on: it pulls on particle 1.
     if let (End::Force(force), true, Some(load)) =
         (spec.top, spec.striker.is_some(), loads.get_mut(1))

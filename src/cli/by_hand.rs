@@ -3,7 +3,7 @@
 use clap::ValueEnum;
 
 use super::accuracy::share;
-use crate::integrate::Method;
+use crate::motion::Method;
 use crate::quantity::{Dimension, parse};
 
 /// Tolerances that a step's error may be held to: below, rounding would be mistaken for it (1).

@@ -11,7 +11,6 @@ use super::input::{Selection, TableArguments, assignment, shot};
 use super::overwrite::ending;
 use super::progress::JobProgress;
 use super::sensor::{SensorAssignment, wire_all, wired};
-use crate::experiment::accuracy::of_scene;
 use crate::experiment::{self, Integration, facts};
 use crate::files;
 use crate::measurement::compare::mapping::Assignment;
@@ -175,7 +174,7 @@ impl Simulation {
             return Ok(Self { set, shot: arguments.simulated_shot, scene: None });
         }
         let scene = Scene::load(&arguments.simulated)?;
-        let integration = Integration::Accuracy(of_scene(&scene)?.value);
+        let integration = Integration::Accuracy(scene.accuracy);
         let metadata = facts::facts(&scene, integration)?;
         let mut progress = JobProgress::new(&scene.name, arguments.quiet);
         let outcome = experiment::run(&scene, integration, 1, &mut |share| progress.at(share));

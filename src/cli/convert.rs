@@ -31,7 +31,7 @@ pub struct Arguments {
     input: PathBuf,
     /// By its extension: a recording (.mcap); a table (.csv, .jsonl, .parquet); a scope's file with
     /// one channel (.isf, or .csv with --as tds); a picture of the first shot (.svg, .png, or the
-    /// scope's own .bmp, .pcx, .tif, .eps); without extension a folder with ALL0000, ALL0001, ...
+    /// scope's own .bmp, .tif); without extension a folder with ALL0000, ALL0001, ...
     /// as the scope writes them
     output: PathBuf,
     /// Format of a .csv file
@@ -215,12 +215,10 @@ fn convert(arguments: &Arguments, mut set: TraceSet) -> anyhow::Result<()> {
             vec![output.clone()]
         }
         Some("bmp") => screen(&set, output, PictureFormat::Bmp)?,
-        Some("pcx") => screen(&set, output, PictureFormat::Pcx)?,
         Some("tif" | "tiff") => screen(&set, output, PictureFormat::Tiff)?,
-        Some("eps") => screen(&set, output, PictureFormat::EpsColour)?,
         None => folders(&set, output)?,
         Some(other) => bail!(
-            "{}: found the ending .{other}, expected .mcap, .csv, .jsonl, .parquet, .isf, .svg, .png, .bmp, .pcx, .tif, .eps, or a folder",
+            "{}: found the ending .{other}, expected .mcap, .csv, .jsonl, .parquet, .isf, .svg, .png, .bmp, .tif, or a folder",
             output.display()
         ),
     };

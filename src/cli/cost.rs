@@ -7,9 +7,9 @@ use clap::Args;
 
 use super::picture::{self, PlotArguments};
 use super::progress::JobProgress;
-use crate::experiment::accuracy::{of_scene, run_to_accuracy};
+use crate::experiment::accuracy::run_to_accuracy;
 use crate::experiment::auto_effects::resolve_auto_effects;
-use crate::experiment::{Integration, facts, first_attempt};
+use crate::experiment::{Integration, facts};
 use crate::recording::Attachment;
 use crate::recording::mcap::RecordingWriter;
 use crate::report::{self, WorkMeasure};
@@ -73,7 +73,7 @@ fn recording(text: &str) -> Result<PathBuf, String> {
 
 /// A shot at the scene's own accuracy, with the study beside it.
 fn record(file: &Path, scene: &Scene, study: &CostStudy) -> anyhow::Result<()> {
-    let accuracy = of_scene(scene)?.value;
+    let accuracy = scene.accuracy;
     let integration = Integration::Accuracy(accuracy);
     let scene = resolve_auto_effects(scene, integration);
     let outcome = run_to_accuracy(&scene, accuracy, 1, &mut |_| ())?;
@@ -83,7 +83,7 @@ fn record(file: &Path, scene: &Scene, study: &CostStudy) -> anyhow::Result<()> {
         data: serde_json::to_vec_pretty(study)?,
     };
     let attachments = [facts::scene_attachment(&scene), study];
-    let known = facts::facts(&scene, first_attempt(&scene, integration))?;
+    let known = facts::facts(&scene, integration)?;
     let mut writer = RecordingWriter::create(file, &known, &attachments)?;
     writer.add(&outcome.shot, &facts::shot_notes(&scene, &outcome))?;
     writer.finish()?;

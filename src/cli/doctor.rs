@@ -5,7 +5,7 @@ use serde_json::json;
 
 use super::AnswerIsNo;
 use super::installation::{Check, examine};
-use crate::chain::simd::{InstructionSet, VARIABLE};
+use crate::motion::kernel::{InstructionSet, VARIABLE};
 
 /// Check the installation: shipped files, instruction sets of the processor, a run against an
 /// independent reference; exit code 1 if anything is wrong

@@ -3,7 +3,7 @@
 
 use clap::Args;
 
-use super::accuracy::AccuracyArguments;
+use super::accuracy::accuracy;
 use super::picture::PlotArguments;
 use super::progress::JobProgress;
 use crate::report;
@@ -17,10 +17,9 @@ pub struct Arguments {
     /// An included scene, or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
-    /// Accuracy of the runs that are compared, 1e-11 to 0.1, or auto: what the scope can resolve
-    /// [default: the scene's, else auto]
-    #[arg(long, value_name = "X", value_parser = AccuracyArguments::parse, allow_hyphen_values = true)]
-    accuracy: Option<AccuracyArguments>,
+    /// Accuracy of the runs that are compared, 1e-11 to 0.1 [default: the scene's, else 1e-6]
+    #[arg(long, value_name = "X", value_parser = accuracy, allow_hyphen_values = true)]
+    accuracy: Option<f64>,
     /// Add the criterion by which each effect is on or off
     #[arg(long)]
     why: bool,
@@ -37,7 +36,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     arguments.plot.check()?;
     let scene = Scene::load(&arguments.scene)?;
-    let accuracy = AccuracyArguments::of(arguments.accuracy, &scene)?.value;
+    let accuracy = arguments.accuracy.unwrap_or(scene.accuracy);
     let mut progress = JobProgress::new(&scene.name, arguments.quiet);
     let found = ledger(&scene, accuracy, &mut |share| progress.at(share));
     progress.done();

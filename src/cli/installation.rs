@@ -4,13 +4,12 @@
 
 use serde::Serialize;
 
-use crate::chain::simd::InstructionSet;
 use crate::data;
-use crate::experiment::accuracy::of_scene;
 use crate::experiment::ensemble::{Case, Ensemble, Readout, places};
 use crate::experiment::facts::facts;
 use crate::experiment::pulse::{Peak, PulseRecorder};
 use crate::experiment::{Integration, run};
+use crate::motion::kernel::InstructionSet;
 use crate::recording::mcap;
 use crate::recording::{Shot, TraceSet};
 use crate::scene::Scene;
@@ -107,8 +106,7 @@ fn recorded(scene: &Scene) -> Check {
 
 /// Bytes of the recording, and whether the waveforms that are read are those that were written.
 fn round_trip(scene: &Scene) -> Result<(u64, bool), String> {
-    let accuracy = of_scene(scene).map_err(|error| error.to_string())?.value;
-    let integration = Integration::Accuracy(accuracy);
+    let integration = Integration::Accuracy(scene.accuracy);
     let outcome = run(scene, integration, 1, &mut |_| ()).map_err(|error| error.to_string())?;
     let name = format!("hertzscope-doctor-{}.mcap", std::process::id());
     let file = std::env::temp_dir().join(name);

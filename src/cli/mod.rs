@@ -54,7 +54,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
-use crate::chain::simd::InstructionSet;
+use crate::motion::kernel::InstructionSet;
 use output::{AnswerIsNo, is_broken_pipe, is_coloured, print, print_as_it_is, print_toml, say};
 
 /// Exit code of an answer that is no.

@@ -6,16 +6,15 @@ use anyhow::{anyhow, bail};
 use clap::Args;
 use serde_json::json;
 
-use super::accuracy::AccuracyArguments;
+use super::accuracy::accuracy;
 use super::budget::DrawArguments;
 use super::by_hand::{ByHand, step, tolerance};
 use super::picture::PlotArguments;
 use super::progress::JobProgress;
-use crate::experiment::accuracy::run_to_accuracy;
+use crate::experiment::accuracy::{run_by_hand, run_to_accuracy};
 use crate::experiment::auto_effects::resolve_auto_effects;
-use crate::experiment::by_hand::{advice, edge, run_by_hand};
 use crate::experiment::outcome::Summary;
-use crate::experiment::{Integration, RunError, facts, first_attempt};
+use crate::experiment::{Integration, facts};
 use crate::measurement::arrivals::{Survey, survey};
 use crate::measurement::statistics::statistics;
 use crate::predict::UncertainPrediction;
@@ -37,10 +36,10 @@ pub struct Arguments {
     /// [default: SCENE.mcap; if it exists, SCENE-2.mcap and so on]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Relative error allowed in first-peak forces and times, 1e-11 to 0.1, or auto: what the scope
-    /// can resolve [default: the scene's, else auto]
-    #[arg(long, value_name = "X", value_parser = AccuracyArguments::parse, allow_hyphen_values = true, conflicts_with_all = ["method", "step", "tolerance"])]
-    accuracy: Option<AccuracyArguments>,
+    /// Relative error allowed in first-peak forces and times, 1e-11 to 0.1
+    /// [default: the scene's, else 1e-6]
+    #[arg(long, value_name = "X", value_parser = accuracy, allow_hyphen_values = true, conflicts_with_all = ["method", "step", "tolerance"])]
+    accuracy: Option<f64>,
     /// Integration method, with --step or --tolerance, instead of --accuracy
     #[arg(long, value_enum)]
     method: Option<ByHand>,
@@ -80,17 +79,13 @@ pub struct Arguments {
     quiet: bool,
 }
 
-/// How to integrate, and why at this accuracy.
-fn integration(
-    arguments: &Arguments,
-    scene: &Scene,
-) -> anyhow::Result<(Integration, Option<String>)> {
-    if let Some(method) = arguments.method {
-        let method = method.method(arguments.step, arguments.tolerance);
-        return Ok((Integration::Method(method.map_err(|error| anyhow!(error))?), None));
-    }
-    let chosen = AccuracyArguments::of(arguments.accuracy, scene)?;
-    Ok((Integration::Accuracy(chosen.value), Some(chosen.reason)))
+/// How to integrate.
+fn integration(arguments: &Arguments, scene: &Scene) -> anyhow::Result<Integration> {
+    let Some(method) = arguments.method else {
+        return Ok(Integration::Accuracy(arguments.accuracy.unwrap_or(scene.accuracy)));
+    };
+    let method = method.method(arguments.step, arguments.tolerance);
+    Ok(Integration::Method(method.map_err(|error| anyhow!(error))?))
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
@@ -98,11 +93,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     scene.seed = arguments.seed.unwrap_or(scene.seed);
     scene.frames = arguments.frames.unwrap_or(scene.frames);
     arguments.plot.check()?;
-    let (integration, reason) = integration(arguments, &scene)?;
+    let integration = integration(arguments, &scene)?;
     // Before the recording tells what it is of.
     let scene = resolve_auto_effects(&scene, integration);
-    let facts = facts::facts(&scene, first_attempt(&scene, integration));
-    let known = facts.map_err(|error| advised(error, &scene, integration))?;
+    let known = facts::facts(&scene, integration)?;
     let attachments = [facts::scene_attachment(&scene)];
     // Before the work, so that a folder that cannot be written to costs no simulation.
     let mut writer = if let Some(file) = arguments.output.as_deref() {
@@ -123,12 +117,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             Integration::Accuracy(accuracy) => {
                 run_to_accuracy(&scene, accuracy, number, &mut report)
             }
-            Integration::Method(method) | Integration::Attempt { method, .. } => {
-                run_by_hand(&scene, method, number, &mut report)
-            }
+            Integration::Method(method) => run_by_hand(&scene, method, number, &mut report),
         };
-        let mut outcome = outcome.map_err(|error| advised(error, &scene, integration))?;
-        outcome.summary.accuracy_reason.clone_from(&reason);
+        let outcome = outcome?;
         writer.add(&outcome.shot, &facts::shot_notes(&scene, &outcome))?;
         if arguments.shots > 1 {
             surveys.push(survey(&set, &outcome.shot));
@@ -191,25 +182,6 @@ fn tell(
         super::print(&format!("  recording   {recording}"))?;
     }
     Ok(())
-}
-
-/// The problem with a step or tolerance by hand, and a working one.
-fn advised(error: RunError, scene: &Scene, integration: Integration) -> anyhow::Error {
-    let is_too_long = !matches!(
-        error,
-        RunError::NotForLosses { .. }
-            | RunError::OnlyForLosses { .. }
-            | RunError::TooManySteps { .. }
-    );
-    match integration {
-        Integration::Method(method) if is_too_long => {
-            let stopped = matches!(error, RunError::Integrate(_));
-            let edge = if stopped { edge(scene, method) } else { None };
-            let known = [Some(error.to_string()), edge, advice(scene, method)];
-            anyhow!("{}", known.into_iter().flatten().collect::<Vec<_>>().join("; "))
-        }
-        _ => error.into(),
-    }
 }
 
 /// Refuses file names without the ending of a recording.

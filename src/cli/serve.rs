@@ -14,9 +14,8 @@ use clap::{Args, ValueEnum};
 use serde_json::json;
 use tokio::sync::mpsc;
 
-use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, facts};
-use crate::instrument::{Fault, fault};
+use crate::instrument::{BenchAccess, Fault, fault};
 use crate::quantity::{Dimension, parse};
 use crate::recording::mcap::RecordingWriter;
 use crate::scene::Scene;
@@ -58,6 +57,15 @@ pub struct Arguments {
     log: Option<PathBuf>,
     #[arg(long, value_name = "KIND", help = FAULTS_HELP, long_help = faults_help())]
     fault: Vec<Fault>,
+    /// Let no client change the bench (BENCh): they may look, and use the oscilloscope
+    #[arg(long)]
+    read_only: bool,
+    /// Let no client switch faults on (BENCh:FAUlt); those of --fault stay
+    #[arg(long, conflicts_with = "read_only")]
+    no_faults: bool,
+    /// End the recording and the log, each by itself, at so many megabytes; the server goes on
+    #[arg(long, value_name = "MB", value_parser = clap::value_parser!(u64).range(1..=MAX_SIZE_LIMIT))]
+    size_limit: Option<u64>,
     /// Print addresses, resource strings and the command that strikes as one line of JSON
     #[arg(long)]
     json: bool,
@@ -99,6 +107,11 @@ fn period(text: &str) -> Result<Duration, String> {
         Err(error) => Err(format!("found {error}, {expected}")),
     }
 }
+
+/// Largest limit of a file (MB).
+const MAX_SIZE_LIMIT: u64 = 1_000_000_000;
+/// Bytes in a megabyte.
+const MEGABYTE: u64 = 1_000_000;
 
 /// Longest time from one strike to the next: a year.
 const MAX_STRIKE_INTERVAL: Duration = Duration::from_secs(365 * 24 * 3600);
@@ -142,6 +155,12 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         warn: Some(|text| super::say(&format!("warning: {text}"))),
         strikes: arguments.impact_on_enter.then(lines),
         faults: arguments.fault.clone(),
+        access: match (arguments.read_only, arguments.no_faults) {
+            (true, _) => BenchAccess::ReadOnly,
+            (false, true) => BenchAccess::NoFaults,
+            (false, false) => BenchAccess::Full,
+        },
+        size_limit: arguments.size_limit.map(|limit| limit.saturating_mul(MEGABYTE)),
         log,
     };
     let mut announced = Ok(());
@@ -245,7 +264,7 @@ fn create_recording(file: &Path, scene: &Scene) -> anyhow::Result<RecordingWrite
     if file.extension().is_none_or(|extension| extension != "mcap") {
         bail!("found {}, expected a name that ends in .mcap", file.display());
     }
-    let integration = Integration::Accuracy(of_scene(scene)?.value);
+    let integration = Integration::Accuracy(scene.accuracy);
     let mut known = facts::facts(scene, integration)?;
     if let Some(recording) = known.get_mut("hertzscope:recording") {
         let times = "of messages: nanoseconds since 1970; of records: seconds after the trigger; of the truth: seconds after the striker's first contact";

@@ -1,189 +1,186 @@
-//! Which accuracy a run is held to where nobody names one, and how far off what the user reads may
-//! be.
+//! Runs a scene to an accuracy and estimates the error of the result.
+//!
+//! The runs form a ladder: each has a hundredth of the tolerance of the one before. The error of a
+//! run is its difference from the next one. The first run whose error is at most the accuracy is
+//! the result. If none of [`MAX_RUNS`] is, the last one is, with a note.
 
-use std::cell::{Cell, LazyCell};
 use std::time::Instant;
 
-use super::comparison::{level_of, readings};
-use super::horizon::horizon;
-use super::method_choice::{Attempt, controlled, first_attempt_at, first_controlled};
-use super::outcome::MOST;
-use super::outcome::{Assessment, ErrorEstimate};
-use super::reference::{MIN_TOLERANCE, ReferenceRun, reference_tolerance};
-use super::{Integration, Outcome, RunError, method, run};
-use crate::integrate::{IntegrateError, Method};
+use super::auto_effects::resolve_auto_effects;
+use super::estimate::{ErrorEstimate, deviates_from, reference_error};
+use super::method_choice::{controlled_for, method_for};
+use super::outcome::{Assessment, MAX_ENERGY_DRIFT};
+use super::run::Run;
+use super::{Integration, Outcome, RunError, method};
+use crate::motion::Method;
 use crate::note::Note;
-use crate::quantity::engineering;
-use crate::scene::{DEFAULT_ACCURACY, LOOSEST_ACCURACY, Scene, TIGHTEST_ACCURACY};
+use crate::scene::{Scene, TIGHTEST_ACCURACY};
 
-/// Accuracy of the run that finds out how large peaks are and when they come (1).
-const COARSE: f64 = 1e-3;
-/// Share of a digitiser level and of a sample interval that may be wrong where nobody names an
-/// accuracy (1).
-const SHARE: f64 = 0.1;
-/// A run is repeated with tighter steps as often as this has entries. Errors go about as the
-/// tolerance does; steps aim at this share of what is allowed, the last ones so that little is left
-/// to chance (1).
-const AIMS: [f64; 2] = [0.3, 0.05];
-/// Where it is not known by how much errors are too large, steps are made for this share (1).
-const UNKNOWN_ERROR_SHARE: f64 = 0.02;
+/// Runs in the ladder at most, without the reference run of the last one.
+const MAX_RUNS: u32 = 3;
+/// Tolerance of a run over that of the run before (1).
+const TIGHTENING: f64 = 0.01;
+/// Smallest tolerance of a run: below, rounding errors exceed those of the steps (1).
+const MIN_TOLERANCE: f64 = 1e-14;
+/// Largest tolerance of a reference run: late in rattling chains, traces at 1e-3 and at 1e-5 may
+/// have errors of the same size (1).
+const MAX_REFERENCE_TOLERANCE: f64 = 1e-6;
+/// Tolerances of the reference runs of a method by hand, tried until the estimate is clearly above
+/// the reference's own error (1).
+const BY_HAND_TOLERANCES: [f64; 2] = [1e-8, TIGHTEST_ACCURACY];
+/// An estimate above so many times the reference's own error does not change with a tighter
+/// reference by more than a hundredth (1).
+const CLEAR_FACTOR: f64 = 100.0;
+/// Errors of a method by hand above which a note warns (1).
+const NOTED_ERROR: f64 = 0.01;
 
-/// An accuracy and where it is from.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ChosenAccuracy {
-    /// Relative error of first-peak forces and times (1).
-    pub value: f64,
-    /// Why this one.
-    pub reason: String,
+/// Tolerance of the reference run for one at `tolerance` (1).
+pub fn reference_tolerance(tolerance: f64) -> f64 {
+    (TIGHTENING * tolerance).clamp(MIN_TOLERANCE, MAX_REFERENCE_TOLERANCE)
 }
 
-/// The accuracy that the scope calls for: a tenth of a digitiser level of the most sensitive
-/// channel in first peaks, a tenth of a sample interval in arrivals, whichever is less; both follow
-/// from a coarse run. Without a pulse it is [`DEFAULT_ACCURACY`].
+/// Simulates shot `shot` of `scene` until first peaks and arrivals are accurate to `accuracy`
+/// (relative, 1), and the energy in motion to a tenth. `progress` is called with the share of the
+/// work done, 0 to 1.
 ///
 /// # Errors
-/// [`RunError`] where the chain cannot be followed.
-pub fn of_scope(scene: &Scene) -> Result<ChosenAccuracy, RunError> {
-    let found = readings(scene, method(scene, Integration::Accuracy(COARSE))?)?;
-    let arrivals = found.iter().filter_map(|r| Some(r.half_rise_s?.max(r.first_peak?.time_s)));
-    let latest = arrivals.fold(0.0, f64::max);
-    if latest == 0.0 {
-        let reason = "no pulse arrives that scope and accuracy could be measured by".to_owned();
-        return Ok(ChosenAccuracy { value: DEFAULT_ACCURACY, reason });
-    }
-    let interval = scene.scope.model.sample_interval(scene.scope.time_base);
-    let by_time = SHARE * interval / latest;
-    let time_words = format!(
-        "a tenth of the sample interval of {} at the latest arrival, {}",
-        engineering(interval, "s", 3),
-        engineering(latest, "s", 3)
-    );
-    let by_level = level_of(scene, &found).map(|level| SHARE * level);
-    let (value, words) = match by_level {
-        Some(value) if value < by_time => {
-            let words =
-                "a tenth of a digitiser level of the most sensitive channel, in its first peak";
-            (value, words.to_owned())
-        }
-        _ => (by_time, time_words),
-    };
-    let reason = format!("the scene names none; {words}");
-    Ok(ChosenAccuracy { value: value.clamp(TIGHTEST_ACCURACY, LOOSEST_ACCURACY), reason })
-}
-
-/// The accuracy to run `scene` with: its own, or the one that its scope calls for.
-///
-/// # Errors
-/// [`RunError`] where the chain cannot be followed.
-pub fn of_scene(scene: &Scene) -> Result<ChosenAccuracy, RunError> {
-    match scene.accuracy {
-        Some(value) => Ok(ChosenAccuracy { value, reason: "from the scene".to_owned() }),
-        None => of_scope(scene),
-    }
-}
-
-/// Runs `scene` so that first peaks and arrivals are as accurate as asked (1), by the error
-/// estimate: a run is compared with a tighter reference run, and repeated with tighter steps, twice
-/// at most, where its errors may exceed the accuracy, those of traces `sqrt(accuracy)` before the
-/// time from which they are said to be chaotic, or where it has made or lost more than [`MOST`] of
-/// the energy in motion. What the last run lacks is noted. `progress` is called with the share of
-/// the work done, 0 to 1: the first run counts as half of it, the next as half of the rest, and so
-/// on.
-///
-/// # Errors
-/// [`RunError`] where the chain cannot be followed.
+/// [`RunError`] if a run fails: a state that is not finite, steps that become too short.
 pub fn run_to_accuracy(
     scene: &Scene,
     accuracy: f64,
     shot: u32,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Outcome, RunError> {
-    let (own, started) = (&*scene.of_shot(shot), Instant::now());
-    let remaining = Cell::new(1.0);
-    let next = || remaining.set(0.5 * remaining.get());
-    let mut progress = |share: f64| progress(1.0 - remaining.get() * (2.0 - share));
-    let mut attempt = first_attempt_at(own, accuracy);
-    let mut aims = AIMS.into_iter();
-    let mut reference: Option<ReferenceRun> = None;
-    let mut makes_energy = false;
+    let started = Instant::now();
+    let scene = &*resolve_auto_effects(scene, Integration::Accuracy(accuracy));
+    let Climbed { run, assessment } = climb(scene, accuracy, shot, progress)?;
+    Ok(run.complete(Some(accuracy), &mut |_| ())?.assessed(assessment, started))
+}
+
+/// The run that [`climb`] ends with.
+pub struct Climbed<'a> {
+    /// The run, to the end of the scene's duration.
+    pub run: Run<'a>,
+    /// Its errors.
+    pub assessment: Assessment,
+}
+
+/// Climbs the ladder for `scene`, whose effects are decided, up to a run that is accurate to
+/// `accuracy` (1), or to the last one.
+///
+/// # Errors
+/// [`RunError`] if a run fails.
+pub fn climb<'a>(
+    scene: &'a Scene,
+    accuracy: f64,
+    shot: u32,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Climbed<'a>, RunError> {
+    let velocities = scene.velocities(shot);
+    let mut simulate = |number: u32, method: Method| {
+        let (before, share) = (1.0 - 0.5_f64.powi(number as i32), 0.5_f64.powi(number as i32 + 1));
+        let mut report = |time: f64| progress(before + share * time / scene.duration);
+        Run::new(scene, shot, method, &mut report)
+    };
+    let mut tolerance = accuracy;
+    let mut run = simulate(0, method_for(&scene.chain, &velocities, tolerance))?;
+    let mut runs = 1;
     loop {
-        next();
-        let Attempt { method, steps } = attempt;
-        let has_two_lengths = matches!(method, Method::TwoStepForceGradient { .. });
-        let is_last = !has_two_lengths && (aims.len() == 0 || steps <= MIN_TOLERANCE);
-        let mut outcome =
-            match run(scene, Integration::Attempt { method, accuracy }, shot, &mut progress) {
-                Err(RunError::Integrate(IntegrateError::NotFinite { .. })) if has_two_lengths => {
-                    attempt = first_controlled(own, accuracy);
-                    continue;
-                }
-                found => found?,
+        let tighter = reference_tolerance(tolerance);
+        let reference = simulate(runs, controlled_for(&scene.chain, &velocities, tighter))?;
+        let estimate = ErrorEstimate::between(&run, &reference, tighter);
+        let is_accurate = estimate.as_ref().is_some_and(|error| error.worst() <= accuracy)
+            && run.energy().is_kept(MAX_ENERGY_DRIFT);
+        if is_accurate || runs == MAX_RUNS || tighter <= MIN_TOLERANCE {
+            let since = |limit: f64| deviates_from(&run, &reference, tighter, limit);
+            let notes = shorter_steps(tolerance, accuracy);
+            let assessment = Assessment {
+                notes: notes.into_iter().chain(doubt(estimate.as_ref(), accuracy)).collect(),
+                estimate: estimate.map(|e| ErrorEstimate { trace_holds_s: since(accuracy), ..e }),
+                energy_advice: "a tighter accuracy",
+                unreliable: since(accuracy.sqrt()).map(|time| (time, accuracy.sqrt())),
             };
-        let keeps_energy = outcome.summary.energy.is_kept(MOST);
-        makes_energy |= !keeps_energy;
-        let (mut estimate, mut share) = (None, UNKNOWN_ERROR_SHARE);
-        let changes = outcome.summary.contact_changes;
-        let chaotic_from = LazyCell::new(|| known_until(own, steps, changes));
-        if keeps_energy || is_last {
-            let tolerance = reference_tolerance(steps.min(accuracy));
-            let against = match reference.take() {
-                Some(reference) if reference.tolerance <= tolerance => reference,
-                _ => {
-                    next();
-                    ReferenceRun::run(own, tolerance, shot, &mut progress)?
-                }
-            };
-            estimate = reference.insert(against).compare(&outcome, accuracy);
-            if let Some(estimate) = &estimate {
-                share = accuracy / estimate.worst();
-                let of_traces = accuracy.sqrt() / estimate.trace.unwrap_or(0.0);
-                if of_traces < share.min(1.0) && chaotic_from.is_none() {
-                    share = of_traces;
-                }
-            }
+            return Ok(Climbed { run, assessment });
         }
-        if share < 1.0 && !is_last {
-            attempt = if has_two_lengths {
-                first_controlled(own, accuracy)
-            } else {
-                let aim = aims.next().unwrap_or(1.0);
-                controlled(own, (aim * share * steps).max(MIN_TOLERANCE))
-            };
-            continue;
-        }
-        let mut notes = Vec::new();
-        if steps < accuracy {
-            let why = if makes_energy {
-                "longer ones made or lost more than a tenth of the kinetic energy"
-            } else {
-                "with longer ones the error estimate was above the accuracy asked for, or above its square root in the traces"
-            };
-            let sentence = format!("steps are chosen for an accuracy of {steps:.0e}: {why}");
-            notes.push(Note::new("shorter_steps", sentence).with("steps_for", steps));
-        }
-        notes.extend(doubt(estimate.as_ref(), accuracy));
-        outcome.summary.assess(Assessment {
-            estimate,
-            notes,
-            energy_advice: "a tighter accuracy keeps it better",
-            chaotic: chaotic_from.map(|time| (time, steps)),
-            wall_held_s: Some(started.elapsed().as_secs_f64()),
-        });
-        return Ok(outcome);
+        (run, tolerance) = (reference, tighter);
+        runs += 1;
     }
 }
 
-/// From when on the motion of `scene` at `accuracy` (1) is not known to half of its digits, where
-/// contacts may have changed sides: others amplify no errors (s).
-pub(crate) fn known_until(scene: &Scene, accuracy: f64, changes: Option<u64>) -> Option<f64> {
-    let amplifies = changes != Some(0) && !scene.chain.is_linear();
-    // A motion that cannot be computed has been refused already.
-    amplifies.then(|| {
-        horizon(&scene.chain, &scene.initial_velocities, scene.duration, accuracy).ok()
-    })??
+/// Simulates shot `shot` of `scene` by a method and a step or tolerance set by hand, and estimates
+/// the errors from a tighter run. `progress` is called with the share of the work done, 0 to 1.
+///
+/// # Errors
+/// [`RunError`] if the method is not for the scene, or its run fails.
+pub fn run_by_hand(
+    scene: &Scene,
+    by_hand: Method,
+    shot: u32,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Outcome, RunError> {
+    let started = Instant::now();
+    let integration = Integration::Method(by_hand);
+    let scene = &*resolve_auto_effects(scene, integration);
+    let run = Run::new(scene, shot, method(scene, integration)?, &mut |time| {
+        progress(time / scene.duration);
+    })?;
+    let velocities = scene.velocities(shot);
+    let (mut estimate, mut unreliable, mut notes) = (None, None, Vec::new());
+    for tolerance in BY_HAND_TOLERANCES {
+        let method = controlled_for(&scene.chain, &velocities, tolerance);
+        let reference = match Run::new(scene, shot, method, &mut |_| ()) {
+            Ok(reference) => reference,
+            Err(error) => {
+                let sentence = format!("no error estimate: the reference run failed: {error}");
+                notes.push(Note::new("no_error_estimate", sentence));
+                break;
+            }
+        };
+        estimate = ErrorEstimate::between(&run, &reference, tolerance);
+        let worst = estimate.as_ref().map_or(f64::INFINITY, ErrorEstimate::worst);
+        let limit = worst.max(TIGHTEST_ACCURACY).sqrt();
+        let since = deviates_from(&run, &reference, tolerance, limit);
+        unreliable = since.filter(|_| worst <= NOTED_ERROR).map(|time| (time, limit));
+        if worst.is_finite() && worst > CLEAR_FACTOR * reference_error(tolerance) {
+            break;
+        }
+    }
+    let is_fixed = by_hand.fixed_step().is_some();
+    let setting = if is_fixed { "step" } else { "tolerance" };
+    notes.extend(too_coarse(setting, estimate.as_ref()).filter(|_| notes.is_empty()));
+    let assessment = Assessment {
+        estimate,
+        notes,
+        energy_advice: if is_fixed { "a shorter step" } else { "a tighter tolerance" },
+        unreliable,
+    };
+    Ok(run.complete(None, &mut |_| ())?.assessed(assessment, started))
 }
 
-/// The note on an estimate that is missing, or beyond the `accuracy` (1) that was asked for.
+/// The note on a `setting` by hand with errors above [`NOTED_ERROR`].
+fn too_coarse(setting: &str, estimate: Option<&ErrorEstimate>) -> Option<Note> {
+    let (worst, error) = match estimate {
+        Some(found) if found.worst() <= NOTED_ERROR => return None,
+        Some(found) => (found.worst(), format!("readings may be off by {:.1e}", found.worst())),
+        None => (f64::INFINITY, "an accurate run detects other pulses than this one".to_owned()),
+    };
+    let sentence = format!(
+        "the {setting} is too large: {error}; a smaller one, or --accuracy, gives better ones"
+    );
+    Some(Note::new("setting_too_coarse", sentence).with("error", worst))
+}
+
+/// The note on a run at a `tolerance` (1) below the `accuracy` (1).
+fn shorter_steps(tolerance: f64, accuracy: f64) -> Option<Note> {
+    (tolerance < accuracy).then(|| {
+        let sentence = format!(
+            "steps are chosen for an accuracy of {tolerance:.0e}: with longer ones the error estimate exceeded the accuracy asked for, or the energy error a tenth of the kinetic energy"
+        );
+        Note::new("shorter_steps", sentence).with("steps_for", tolerance)
+    })
+}
+
+/// The note on an estimate that is missing, or above the `accuracy` (1) asked for.
 pub fn doubt(estimate: Option<&ErrorEstimate>, accuracy: f64) -> Option<Note> {
     let Some(estimate) = estimate else {
         let sentence = "no error estimate: the reference run detects different pulses, or pulses below its own error";
@@ -191,7 +188,9 @@ pub fn doubt(estimate: Option<&ErrorEstimate>, accuracy: f64) -> Option<Note> {
     };
     let worst = estimate.worst();
     (worst > accuracy).then(|| {
-        let sentence = format!("readings may be off by {worst:.1e}, more than the accuracy of {accuracy:.1e} that was asked for");
+        let sentence = format!(
+            "readings may be off by {worst:.1e}, more than the accuracy of {accuracy:.1e} that was asked for"
+        );
         Note::new("accuracy_missed", sentence).with("error", worst).with("accuracy", accuracy)
     })
 }

@@ -18,7 +18,7 @@ use std::borrow::Cow;
 
 use super::Integration;
 use super::pulse::FOOT_SHARE;
-use crate::chain::{Chain, ChainSpec, EffectsSpec};
+use crate::chain::{Chain, ChainSpec, EffectsSpec, LossKind};
 use crate::note::Note;
 use crate::scene::Scene;
 
@@ -40,8 +40,7 @@ pub fn resolve_auto_effects(scene: &Scene, integration: Integration) -> Cow<'_, 
     }
     let mut settled = scene.clone();
     for name in std::mem::take(&mut settled.auto) {
-        let (Integration::Accuracy(accuracy) | Integration::Attempt { accuracy, .. }) = integration
-        else {
+        let Integration::Accuracy(accuracy) = integration else {
             let sentence = format!("{name} is on: state = \"auto\" needs an accuracy, not a step");
             settled.notes.push(Note::new("auto_effect", sentence).with("effect", name));
             continue;
@@ -89,8 +88,7 @@ pub fn change_upper_bound(scene: &Scene, name: &str) -> f64 {
     match name {
         "gravity" => by_gravity(scene),
         "magnet_law" => by_magnet_law(scene),
-        "dashpot" | "kuwabara_kono" | "power_law_loss" => by_loss(scene, name),
-        _ => f64::INFINITY,
+        _ => LossKind::named(name).map_or(f64::INFINITY, |kind| by_loss(scene, kind)),
     }
 }
 
@@ -127,14 +125,10 @@ fn by_magnet_law(scene: &Scene) -> f64 {
     steepest * (reach / magnet.force + scene.duration * scene.duration / body.mass)
 }
 
-fn by_loss(scene: &Scene, name: &str) -> f64 {
+fn by_loss(scene: &Scene, kind: LossKind) -> f64 {
     let all = &scene.spec.effects;
     let mut effects = EffectsSpec::default();
-    match name {
-        "dashpot" => effects.dashpot.clone_from(&all.dashpot),
-        "kuwabara_kono" => effects.kuwabara_kono.clone_from(&all.kuwabara_kono),
-        _ => effects.power_law_loss.clone_from(&all.power_law_loss),
-    }
+    effects.losses[kind as usize] = all.loss(kind).cloned();
     effects.gravity = all.gravity;
     effects.magnet_preload.clone_from(&all.magnet_preload);
     let spec = ChainSpec { effects, ..scene.spec.clone() };

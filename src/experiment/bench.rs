@@ -1,10 +1,13 @@
 //! The chain in motion with everything that watches it: pulses, scope samples, truth.
 
-use crate::chain::probe_step::ProbeTracker;
-use crate::chain::simd::{InstructionSet, Refinement, VectorStepper};
-use crate::chain::{Chain, ChainSystem, Dissipated, Energy, ForceProbe};
-use crate::integrate::{IntegrateError, Integrator, Method, State, Work};
+use crate::chain::State;
+use crate::chain::{Chain, Dissipated, Energy, ForceProbe};
+use crate::motion::ChainSystem;
+use crate::motion::kernel::{InstructionSet, VectorStepper};
+use crate::motion::probe_step::ProbeTracker;
+use crate::motion::{IntegrateError, Integrator, Method, Scheme, Work};
 
+use super::extremes::Extremes;
 use super::frames::Frames;
 pub use super::grid::Grid;
 pub use super::probe_record::ProbeRecord;
@@ -15,19 +18,21 @@ const SAMPLES_CAPACITY: usize = 1 << 20;
 
 /// The method at work on the chain.
 enum Engine<'a> {
-    /// On the vector path, with a tracker for each watch.
+    /// A method for chains without losses, with a tracker for each watch.
     Vectors(Box<VectorStepper>, Vec<ProbeTracker>),
-    /// Everything else.
+    /// A method for forces that depend on velocities.
     General(Box<dyn Integrator + 'a>),
 }
 
-/// A method at work on a chain, from any state; on the vector path where chain and method allow it.
+/// A method at work on a chain, from any state.
 pub fn start(chain: &Chain, method: Method, state: State) -> Box<dyn Integrator> {
     match method.scheme() {
-        Some(scheme) if chain.runs_on_vectors() => {
+        Scheme::Lossless(scheme) => {
             Box::new(VectorStepper::new(chain, &state, scheme, InstructionSet::best()))
         }
-        _ => method.start(Box::new(ChainSystem::new(chain, &state.velocity)), state),
+        Scheme::General(scheme) => {
+            scheme.start(Box::new(ChainSystem::new(chain, &state.velocity)), state)
+        }
     }
 }
 
@@ -41,14 +46,16 @@ impl<'a> Engine<'a> {
     ) -> Self {
         let state = chain.initial_state(velocities);
         match method.scheme() {
-            Some(scheme) if chain.runs_on_vectors() => {
+            Scheme::Lossless(scheme) => {
                 let stepper = VectorStepper::new(chain, &state, scheme, set);
                 let bodies = chain.bodies().len();
                 let tracker = |probe| ProbeTracker::new(probe, &stepper, bodies);
                 let trackers = probes.iter().map(tracker).collect();
                 Self::Vectors(Box::new(stepper), trackers)
             }
-            _ => Self::General(method.start(Box::new(ChainSystem::new(chain, velocities)), state)),
+            Scheme::General(scheme) => {
+                Self::General(scheme.start(Box::new(ChainSystem::new(chain, velocities)), state))
+            }
         }
     }
 
@@ -67,6 +74,8 @@ pub struct Bench<'a> {
     grid: Grid,
     watches: Vec<ProbeRecord>,
     film: Frames,
+    /// Taken beside frames: none where there are no frames.
+    extremes: Option<Extremes>,
     initial_velocities: Vec<f64>,
     most_evaluations: u64,
 }
@@ -110,6 +119,7 @@ impl<'a> Bench<'a> {
             grid,
             watches: probes.iter().map(watch).collect(),
             film: Frames::new(chain, frames, initial_velocities),
+            extremes: (frames != Grid::NEVER).then(|| Extremes::new(chain, initial_velocities)),
             initial_velocities: initial_velocities.to_vec(),
             most_evaluations: u64::MAX,
         }
@@ -132,7 +142,7 @@ impl<'a> Bench<'a> {
         pulses: bool,
         progress: &mut dyn FnMut(f64),
     ) -> Result<(), IntegrateError> {
-        let Self { chain, engine, grid, watches, film, most_evaluations, .. } = self;
+        let Self { chain, engine, grid, watches, film, extremes, most_evaluations, .. } = self;
         let (bodies, most) = (chain.bodies().len(), *most_evaluations);
         for watch in &mut *watches {
             let due = grid.samples_until(end).saturating_sub(watch.samples.len());
@@ -149,6 +159,9 @@ impl<'a> Bench<'a> {
                         watch.take_step(set, tracker, stepper.time(), *grid, pulses);
                     }
                     film.take_step(chain, stepper);
+                    if let Some(extremes) = extremes {
+                        extremes.take_step(chain, stepper.as_ref());
+                    }
                     progress(stepper.time());
                 }
             }
@@ -161,20 +174,14 @@ impl<'a> Bench<'a> {
                         watch.take(integrator.as_ref(), bodies, *grid, pulses);
                     }
                     film.follow(chain, integrator.as_ref());
+                    if let Some(extremes) = extremes {
+                        extremes.take_step(chain, integrator.as_ref());
+                    }
                     progress(integrator.time());
                 }
             }
         }
         Ok(())
-    }
-
-    /// The bench, not yet run, without one of the vector path's refinements; what does not run
-    /// there has none.
-    pub fn without(mut self, refinement: Refinement) -> Self {
-        if let Engine::Vectors(stepper, trackers) = self.engine {
-            self.engine = Engine::Vectors(Box::new(stepper.without(refinement)), trackers);
-        }
-        self
     }
 
     /// The grid on which forces are sampled.
@@ -195,6 +202,11 @@ impl<'a> Bench<'a> {
     /// The film so far.
     pub fn film(&self) -> &Frames {
         &self.film
+    }
+
+    /// Largest forces and displacements so far; none where no frames are taken.
+    pub fn extremes(&self) -> Option<&Extremes> {
+        self.extremes.as_ref()
     }
 
     /// Energy at the start and now, without what contacts held at zero force will not give back.

@@ -8,9 +8,9 @@ use super::bench::{Bench, Grid};
 use super::parallel::{in_parallel, processors};
 use super::pulse::PulseRecorder;
 use super::{Integration, method_choice};
-use crate::chain::simd::InstructionSet;
 use crate::chain::{Chain, ForceProbe};
-use crate::integrate::{IntegrateError, Method, Work};
+use crate::motion::kernel::InstructionSet;
+use crate::motion::{IntegrateError, Method, Work};
 use crate::scene::{PlacedSensor, Scene, Site};
 
 /// One chain and what is to be read from it.
@@ -72,7 +72,7 @@ impl Ensemble {
         done: &(dyn Fn(usize) + Sync),
     ) -> Vec<Result<Readout, IntegrateError>> {
         let cases: Vec<&Case> = cases.iter().map(Borrow::borrow).collect();
-        let run = |(): &mut (), case: &&Case| {
+        let run = |case: &&Case| {
             let found = case.run(self.integration, self.set);
             done(1);
             found
@@ -125,7 +125,7 @@ impl Case {
             Integration::Accuracy(accuracy) => {
                 method_choice::method_for(&self.chain, &self.velocities, accuracy)
             }
-            Integration::Method(method) | Integration::Attempt { method, .. } => method,
+            Integration::Method(method) => method,
         }
     }
 

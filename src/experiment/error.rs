@@ -1,7 +1,7 @@
 //! Why a run has no result.
 
 use crate::chain::StabilityLimit;
-use crate::integrate::IntegrateError;
+use crate::motion::IntegrateError;
 use crate::quantity::engineering;
 
 /// Most steps of a method with a step by hand: hours of work for a chain of the bench's size (1).

@@ -22,7 +22,7 @@ pub type Facts = BTreeMap<String, BTreeMap<String, String>>;
 pub fn facts(scene: &Scene, integration: Integration) -> Result<Facts, RunError> {
     let method = method(scene, integration)?;
     let accuracy = match integration {
-        Integration::Accuracy(accuracy) | Integration::Attempt { accuracy, .. } => {
+        Integration::Accuracy(accuracy) => {
             format!("{accuracy:e}")
         }
         Integration::Method(_) => "by hand".to_owned(),

@@ -2,8 +2,9 @@
 
 use super::grid::Grid;
 use crate::chain::Chain;
-use crate::chain::simd::VectorStepper;
-use crate::integrate::{Integrator, Interpolant, State};
+use crate::chain::State;
+use crate::motion::kernel::VectorStepper;
+use crate::motion::{Integrator, Interpolant};
 
 /// Contact forces at coarse, even times: the whole chain as a film.
 #[derive(Debug, Clone)]

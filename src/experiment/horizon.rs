@@ -10,7 +10,8 @@
 use super::bench::start;
 use super::method_choice::method_for;
 use crate::chain::Chain;
-use crate::integrate::{IntegrateError, State};
+use crate::chain::State;
+use crate::motion::IntegrateError;
 
 /// From one time at which states are compared to the next (1): a horizon is known to a twentieth,
 /// however long is simulated.

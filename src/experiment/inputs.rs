@@ -1,6 +1,5 @@
 //! Signals of an impact at the scope's inputs, for a scope whose settings are not the scene's.
 
-use super::accuracy::of_scene;
 use super::acquisition::{external, truth, volts};
 use super::auto_effects::resolve_auto_effects;
 use super::{Integration, RunError, film_grid, free_grid, method, scene_bench};
@@ -48,7 +47,7 @@ pub struct Inputs {
 /// # Errors
 /// [`RunError`] for states that stop being numbers.
 pub fn inputs(scene: &Scene, window: InputWindow, shot: u32) -> Result<Inputs, RunError> {
-    let integration = Integration::Accuracy(of_scene(scene)?.value);
+    let integration = Integration::Accuracy(scene.accuracy);
     let scene = &*resolve_auto_effects(scene, integration);
     let method = method(scene, integration)?;
     let longest_before = (MAX_SAMPLES / 2) as f64 * window.interval;

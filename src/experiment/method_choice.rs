@@ -2,8 +2,8 @@
 //! scene allows.
 
 use super::error::{MAX_STEPS, RunError};
-use crate::chain::{Chain, Contact, Effect};
-use crate::integrate::Method;
+use crate::chain::{Chain, Contact, LOSS_MODELS};
+use crate::motion::Method;
 use crate::scene::Scene;
 
 /// Methods for losses.
@@ -25,9 +25,6 @@ const LOSS_MARGIN: f64 = 16.0;
 /// The same for the implicit method: errors were up to 5.8 times what a step tolerates (Kuwabara
 /// and Kono's losses at 2e-3, 400 accuracies) (1).
 const STIFF_LOSS_MARGIN: f64 = 8.0;
-/// The same for lossless chains under a magnet that follows its particle, where openings are not
-/// corrected: errors were up to 23 times what a step tolerates (600 accuracies of two scenes) (1).
-const UNCORRECTED_MARGIN: f64 = 48.0;
 /// Steps of two lengths are made for the accuracy asked divided by this: first peaks were off by up
 /// to 1.13 times what they are made for, in 256 scenes from 2e-4 to 1e-3
 /// (`tests/it/vector_path.rs`) (1).
@@ -37,12 +34,6 @@ const TWO_STEP_FROM: f64 = 2e-4;
 /// A contact is preloaded whose static overlap is this share of the coming impact's, or more: its
 /// frequency goes as the fourth root of the overlap (1).
 const PRELOADED_SHARE: f64 = 1e-3;
-/// Tolerance of the first attempt under error control, in terms of the accuracy asked: most runs
-/// are accurate enough then (1).
-const FIRST_TOLERANCE_FACTOR: f64 = 10.0;
-/// Largest tolerance of the first attempt (1).
-const MAX_FIRST_TOLERANCE: f64 = 0.01;
-
 /// How a run is integrated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Integration {
@@ -50,51 +41,6 @@ pub enum Integration {
     Accuracy(f64),
     /// By this method with this setting.
     Method(Method),
-    /// By a method that is tried, and held to an accuracy afterwards.
-    Attempt {
-        /// The method.
-        method: Method,
-        /// Relative error of first-peak forces and times (1).
-        accuracy: f64,
-    },
-}
-
-/// A method, and the accuracy that its steps are made for (1).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Attempt {
-    /// The method.
-    pub method: Method,
-    /// The accuracy that its steps are made for (1).
-    pub steps: f64,
-}
-
-/// The first attempt at `accuracy` (1): steps of two lengths where they may serve, else error
-/// control. A run is compared with a reference run, so the steps are made for less than the
-/// accuracy.
-pub fn first_attempt_at(scene: &Scene, accuracy: f64) -> Attempt {
-    match two_step(&scene.chain, accuracy) {
-        Some(method) => Attempt { method, steps: accuracy },
-        None => first_controlled(scene, accuracy),
-    }
-}
-
-/// The first attempt at `accuracy` (1) under error control.
-pub fn first_controlled(scene: &Scene, accuracy: f64) -> Attempt {
-    controlled(scene, (FIRST_TOLERANCE_FACTOR * accuracy).min(MAX_FIRST_TOLERANCE).max(accuracy))
-}
-
-/// An attempt under error control whose steps are made for an accuracy of `steps` (1).
-pub fn controlled(scene: &Scene, steps: f64) -> Attempt {
-    let method = controlled_for(&scene.chain, &scene.initial_velocities, steps);
-    Attempt { method, steps }
-}
-
-/// The first attempt of `integration`, where it is an accuracy. A recording names it before the
-/// work is done; the attempt that was accurate enough is written beside each shot.
-pub fn first_attempt(scene: &Scene, integration: Integration) -> Integration {
-    let Integration::Accuracy(accuracy) = integration else { return integration };
-    let Attempt { method, .. } = first_attempt_at(scene, accuracy);
-    Integration::Attempt { method, accuracy }
 }
 
 /// The method of `integration` for `scene`.
@@ -107,7 +53,6 @@ pub fn method(scene: &Scene, integration: Integration) -> Result<Method, RunErro
         Integration::Accuracy(accuracy) => {
             return Ok(method_for(&scene.chain, &scene.initial_velocities, accuracy));
         }
-        Integration::Attempt { method, .. } => return Ok(method),
         Integration::Method(method) => method,
     };
     refuse(scene, method)?;
@@ -143,10 +88,8 @@ fn two_step(chain: &Chain, accuracy: f64) -> Option<Method> {
 
 /// The method with error control that serves `accuracy` (1).
 pub fn controlled_for(chain: &Chain, velocities: &[f64], accuracy: f64) -> Method {
-    if chain.is_plain() {
+    if !chain.is_dissipative() {
         for_accuracy(accuracy)
-    } else if !chain.is_dissipative() {
-        for_accuracy(accuracy / UNCORRECTED_MARGIN)
     } else if accuracy > LOOSE_ACCURACY || chain.largest_damping(velocities) > STIFF_DAMPING {
         Method::Rodas { tolerance: accuracy / STIFF_LOSS_MARGIN }
     } else {
@@ -178,13 +121,9 @@ fn refuse(scene: &Scene, method: Method) -> Result<(), RunError> {
         return if method.suits(false) { Ok(()) } else { Err(refused) };
     }
     if !method.allows_losses() {
-        let effects = &scene.spec.effects;
-        let named = [
-            effects.dashpot.as_ref().map(Effect::name),
-            effects.kuwabara_kono.as_ref().map(Effect::name),
-            effects.power_law_loss.as_ref().map(Effect::name),
-        ];
-        let losses: Vec<&str> = named.into_iter().flatten().collect();
+        let losses = LOSS_MODELS.iter().zip(&scene.spec.effects.losses);
+        let losses: Vec<&str> =
+            losses.filter(|(_, spec)| spec.is_some()).map(|(model, _)| model.name).collect();
         let (method, losses) = (method.name(), losses.join(", "));
         return Err(RunError::NotForLosses { method, losses, expected: FOR_LOSSES });
     }

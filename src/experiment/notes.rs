@@ -2,7 +2,7 @@
 //! good for.
 
 use super::acquisition::trigger_scale;
-use super::frames::Frames;
+use super::extremes::Extremes;
 use super::outcome::Reading;
 use crate::chain::Chain;
 use crate::note::Note;
@@ -15,14 +15,14 @@ use crate::scope::acquire::TriggerPosition;
 /// length it does not hold (1).
 const MAX_OVERLAP_SHARE: f64 = 0.1;
 
-/// All notes on a run whose readings are `sensors` and whose frames are `film`, and those on its
-/// scene.
+/// All notes on a run whose readings are `sensors` and whose largest forces are `extremes`, and
+/// those on its scene.
 pub fn notes(
     scene: &Scene,
     sensors: &[Reading],
     shot: &Shot,
     found: Option<TriggerPosition>,
-    film: &Frames,
+    extremes: Option<&Extremes>,
 ) -> Vec<Note> {
     let drawn = scene.striker_speed_spread.and(scene.velocities(shot.number).first().copied());
     let drawn = drawn.map(|speed| {
@@ -44,9 +44,11 @@ pub fn notes(
         }
     }
     notes.extend(sensors.iter().filter(|s| s.first_peak.is_none()).map(no_peak));
-    notes.extend(yielding(&scene.chain, film));
-    notes.extend(deep_overlap(&scene.chain, film));
-    notes.extend(beyond_table(&scene.chain, film));
+    if let Some(extremes) = extremes {
+        notes.extend(yielding(&scene.chain, &extremes.forces));
+        notes.extend(deep_overlap(&scene.chain, &extremes.forces));
+        notes.extend(beyond_table(&scene.chain, extremes.pulled));
+    }
     notes.extend(scene.notes.iter().cloned());
     notes
 }
@@ -124,31 +126,29 @@ fn no_peak(sensor: &Reading) -> Note {
     note.with("sensor", name)
 }
 
-/// A particle that left the distances for which its magnet's force was measured, as far as the
-/// frames show.
-fn beyond_table(chain: &Chain, film: &Frames) -> Option<Note> {
-    let (body, pull) = chain.pull()?;
+/// A particle that left the distances for which its magnet's force was measured: its displacements
+/// (m) reach from the first to the second.
+fn beyond_table(chain: &Chain, [least, largest]: [f64; 2]) -> Option<Note> {
+    let (_, pull) = chain.pull()?;
     let [near, far] = pull.known();
-    let path = film.displacements.get(body)?;
-    let beyond = |u: &f64| (near - (pull.distance - u)).max(pull.distance - u - far);
-    let most = path.iter().map(beyond).fold(0.0, f64::max);
+    let most = (near - (pull.distance - largest)).max(pull.distance - least - far);
     (most > 0.0).then(|| {
         let sentence = format!(
-            "the magnet's particle goes at least {} beyond the ends of its table: there its force is taken to be that of the end",
+            "the magnet's particle goes {} beyond the ends of its table: there its force is taken to be that of the end",
             engineering(most, "m", 2)
         );
         Note::new("beyond_magnet_table", sentence).with("distance_m", most)
     })
 }
 
-/// Overlaps that are no longer small beside the particles, as far as the frames show.
-fn deep_overlap(chain: &Chain, film: &Frames) -> Option<Note> {
+/// Overlaps that are no longer small beside the particles, under the largest `forces` of the
+/// contacts (N).
+fn deep_overlap(chain: &Chain, forces: &[f64]) -> Option<Note> {
     if chain.is_linear() {
         return None;
     }
     let share = |j: usize| {
-        let (contact, forces) = (chain.contacts().get(j)?, film.contact_forces.get(j)?);
-        let most = forces.iter().copied().fold(0.0, f64::max);
+        let (contact, most) = (chain.contacts().get(j)?, *forces.get(j)?);
         let beside = [j.checked_sub(1), Some(j)].into_iter().flatten();
         // A flat-faced body of which only the mass is told has none.
         let lengths = beside.filter_map(|i| chain.bodies().get(i)).map(|body| body.length);
@@ -167,13 +167,12 @@ fn deep_overlap(chain: &Chain, film: &Frames) -> Option<Note> {
     })
 }
 
-/// Contacts that bore more than makes their softer body yield, as far as the frames show.
-fn yielding(chain: &Chain, film: &Frames) -> Option<Note> {
+/// Contacts whose largest `forces` (N) make their softer body yield.
+fn yielding(chain: &Chain, forces: &[f64]) -> Option<Note> {
     let mut worst: Option<(f64, f64, usize)> = None;
     let mut count = 0;
-    for (j, (contact, forces)) in chain.contacts().iter().zip(&film.contact_forces).enumerate() {
+    for (j, (contact, &most)) in chain.contacts().iter().zip(forces).enumerate() {
         let Some(limit) = contact.yield_force else { continue };
-        let most = forces.iter().copied().fold(0.0, f64::max);
         if most > limit {
             count += 1;
             if worst.is_none_or(|(force, other, _)| most / limit > force / other) {

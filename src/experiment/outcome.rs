@@ -1,9 +1,11 @@
 //! Results of a run, as in `run --json`: names and units are part of the interface.
 
 use std::fmt::Write as _;
+use std::time::Instant;
 
 use serde::Serialize;
 
+use super::estimate::ErrorEstimate;
 use super::paper_speeds::PaperSpeed;
 use super::pulse::{FOOT_SHARE, HALF_RISE_SHARE, PEAK_SHARE, PassedOver, Peak, PulseRecorder};
 use crate::chain::{Chain, Dissipated, Energy};
@@ -39,12 +41,10 @@ pub struct Summary {
     pub method_source: String,
     /// Accuracy that was asked for; none for a method by hand (1).
     pub accuracy: Option<f64>,
-    /// Why this accuracy, where a run has been told.
-    pub accuracy_reason: Option<String>,
     /// How far off first peaks and arrivals may be, where that was looked for.
     pub error_estimate: Option<ErrorEstimate>,
-    /// From when on errors may exceed the square root of the accuracy somewhere in the chain, where
-    /// they do (s).
+    /// Time after which errors of forces at the sensors may exceed the square root of the accuracy;
+    /// none if they do not (s).
     pub horizon_s: Option<f64>,
     /// Fixed step, where there is one (s).
     pub step_s: Option<f64>,
@@ -88,60 +88,40 @@ pub struct Summary {
     pub notes: Vec<Note>,
 }
 
-/// How far off a run's first peaks, arrivals and traces may be.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ErrorEstimate {
-    /// Relative error of first-peak dynamic forces, the largest of all places (1).
-    pub peak: f64,
-    /// Relative error of first-peak times, half-rises and tenths, the largest of all places (1).
-    pub arrival: f64,
-    /// Largest deviation of the force at any sensor, at the scope's sample times up to the end of
-    /// the scene's duration, relative to the largest dynamic one there; none where no sensor felt a
-    /// pulse (1).
-    pub trace: Option<f64>,
-    /// Up to when no trace deviates by more than the accuracy that was asked for; none where none
-    /// ever does, or none was asked for (s).
-    pub trace_holds_s: Option<f64>,
-    /// How it was found.
-    pub how: String,
-}
-
-impl ErrorEstimate {
-    /// The larger of those of peaks and arrivals, which an accuracy is asked for (1).
-    pub fn worst(&self) -> f64 {
-        self.peak.max(self.arrival)
-    }
-}
-
 /// A first peak that exceeds its threshold by so much stays one, and what lacks so much of it
 /// becomes none, whatever late forces come to: chaos shuffles energy about, it makes none. Less
 /// where two runs agree better (1).
 const PEAK_MARGIN: f64 = 0.5;
 
-/// What comparing a run with a reference run says of it.
-pub(super) struct Assessment {
+/// Results of the comparison of a run with its reference run.
+#[derive(Debug, Clone)]
+pub struct Assessment {
     pub(super) estimate: Option<ErrorEstimate>,
     pub(super) notes: Vec<Note>,
     /// What would keep the energy better.
     pub(super) energy_advice: &'static str,
-    /// From when on the motion is chaotic (s), at which accuracy (1).
-    pub(super) chaotic: Option<(f64, f64)>,
-    pub(super) wall_held_s: Option<f64>,
+    /// Time after which traces deviate (s), and the share of their largest force by which they do
+    /// (1).
+    pub(super) unreliable: Option<(f64, f64)>,
+}
+
+impl Outcome {
+    /// The outcome with the results of a comparison that began at `started`.
+    pub(super) fn assessed(mut self, assessment: Assessment, started: Instant) -> Self {
+        let summary = &mut self.summary;
+        summary.notes.extend(assessment.notes);
+        summary.error_estimate = assessment.estimate.filter(|_| summary.has_pulse());
+        summary.note_energy(assessment.energy_advice);
+        if let Some((time, limit)) = assessment.unreliable {
+            summary.note_horizon(time, limit);
+            summary.note_undecided();
+        }
+        summary.wall_held_s = Some(started.elapsed().as_secs_f64());
+        self
+    }
 }
 
 impl Summary {
-    /// Fills in what a comparison with a reference run says.
-    pub(super) fn assess(&mut self, assessment: Assessment) {
-        self.notes.extend(assessment.notes);
-        self.error_estimate = assessment.estimate.filter(|_| self.has_pulse());
-        self.note_energy(assessment.energy_advice);
-        if let Some((time, accuracy)) = assessment.chaotic {
-            self.note_horizon(time, accuracy);
-            self.note_undecided();
-        }
-        self.wall_held_s = assessment.wall_held_s;
-    }
-
     /// Whether a pulse was felt anywhere: of nothing no number says how far off it is.
     fn has_pulse(&self) -> bool {
         self.sensors.iter().chain(&self.wall).any(|reading| reading.first_peak.is_some())
@@ -152,8 +132,9 @@ impl Summary {
         let drift = self.energy.drift;
         if !self.energy.is_kept(TOLERABLE) {
             let (what, share) = (if drift > 0.0 { "made" } else { "lost" }, drift.abs());
-            let sentence =
-                format!("the method has {what} energy, {share:.1e} of that in motion: {advice}");
+            let sentence = format!(
+                "the method has {what} energy, {share:.1e} of that in motion: {advice} reduces this"
+            );
             self.notes.push(Note::new("energy_drift", sentence).with("drift", drift));
         }
     }
@@ -182,18 +163,13 @@ impl Summary {
         }
     }
 
-    /// Notes that from `time` (s) on the motion at `accuracy` (1) is no longer known to half of its
-    /// digits.
-    fn note_horizon(&mut self, time: f64, accuracy: f64) {
-        let (words, left) = (engineering(time, "s", 2), accuracy.sqrt());
+    /// Notes that after `time` (s) the forces at the sensors deviate by more than the share `limit`
+    /// (1) of their largest values.
+    fn note_horizon(&mut self, time: f64, limit: f64) {
+        let words = engineering(time, "s", 2);
         self.horizon_s = Some(time);
-        let traces = self.error_estimate.as_ref().and_then(|estimate| estimate.trace);
-        let where_else = match traces {
-            Some(off) if off < left => " somewhere in the chain, though not at the sensors",
-            _ => "",
-        };
         let sentence = format!(
-            "after {words} the motion is chaotic and not reliable in detail{where_else} (errors may exceed {left:.0e} of the largest overlap or speed); a tighter --accuracy or a shorter step extends this"
+            "after {words} forces at the sensors are not reliable in detail (errors may exceed {limit:.0e} of their largest values); a tighter --accuracy or a shorter step extends this"
         );
         self.notes.push(Note::new("chaotic", sentence).with("from_s", time));
     }
@@ -325,12 +301,9 @@ pub struct TriggerReport {
 
 /// Names and settings of all effects that were on: the chain's, then those of sensors and scope.
 pub fn effects(scene: &Scene) -> Vec<(String, String)> {
-    let mut effects: Vec<(String, String)> = scene
-        .spec
-        .effects
-        .active()
-        .map(|effect| (effect.name().to_owned(), effect.summary()))
-        .collect();
+    let settings = scene.spec.effects.settings().into_iter();
+    let mut effects: Vec<(String, String)> =
+        settings.map(|(name, set)| (name.to_owned(), set)).collect();
     if let Some((magnet, pull)) = scene.chain.magnet().and_then(|m| Some((m, m.pull.as_ref()?)))
         && let Some((_, set)) = effects.iter_mut().find(|(name, _)| name == "magnet_preload")
     {
@@ -381,9 +354,9 @@ pub const TOLERABLE: f64 = 0.01;
 /// What sums of energies may be off, relative to all that is stored (1).
 const ROUNDING: f64 = 1e-12;
 
-/// No run that is held to an accuracy makes or loses more of the energy in motion: where late
-/// motion is known only in its statistics, these would be those of another bench (1).
-pub const MOST: f64 = LOOSEST_ACCURACY;
+/// Largest share of the energy in motion that a run to an accuracy may make or lose: beyond it even
+/// the statistics of late motion are those of another bench (1).
+pub const MAX_ENERGY_DRIFT: f64 = LOOSEST_ACCURACY;
 
 /// The energy ledger of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]

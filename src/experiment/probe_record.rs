@@ -3,9 +3,10 @@
 use super::grid::Grid;
 use super::pulse::PulseRecorder;
 use crate::chain::ForceProbe;
-use crate::chain::probe_step::ProbeTracker;
-use crate::chain::simd::InstructionSet;
-use crate::integrate::Integrator;
+use crate::motion::Integrator;
+use crate::motion::force_segment::over_step;
+use crate::motion::kernel::InstructionSet;
+use crate::motion::probe_step::ProbeTracker;
 
 /// One watched force.
 #[derive(Debug, Clone)]
@@ -51,7 +52,7 @@ impl ProbeRecord {
         grid: Grid,
         pulses: bool,
     ) {
-        let segment = self.probe.over_step(integrator, bodies);
+        let segment = over_step(&self.probe, integrator, bodies);
         let end = integrator.time();
         let mut time = grid.time(self.samples.len());
         while time <= end {

@@ -12,7 +12,7 @@ use super::outcome::EnergyLedger;
 use super::outcome::{Outcome, Reading, Summary, TriggerReport};
 use super::{auto_effects, method_choice, notes, outcome, paper_speeds};
 use crate::chain::ForceProbe;
-use crate::integrate::Method;
+use crate::motion::{IntegrateError, Method, Work};
 use crate::recording::Shot;
 use crate::scene::{Scene, Site};
 use crate::scope::acquire::TriggerPosition;
@@ -23,7 +23,8 @@ const SPARE_SAMPLES: f64 = 20.0;
 /// Stream of the sample clock's phase; channels use 1 to 4.
 const CLOCK_STREAM: u8 = 0;
 
-/// Runs `scene`; `progress` is called with the share of the work done, 0 to 1.
+/// Runs `scene` once, without an estimate of its error; `progress` is called with the share of the
+/// work done, 0 to 1.
 ///
 /// # Errors
 /// [`RunError`] for a step that cannot be stable and for states that stop being numbers.
@@ -34,25 +35,176 @@ pub fn run(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Outcome, RunError> {
     let scene = &*auto_effects::resolve_auto_effects(scene, integration);
-    let started = Instant::now();
     let method = method_choice::method(scene, integration)?;
-    let velocities = scene.velocities(shot);
-    let (samples, frames) = (sample_grid(scene, shot), film_grid(scene));
-    let mut bench = scene_bench(scene, &velocities, method, samples, frames);
     let (_, span) = scene.scope.record_span();
     let expected_end = scene.duration.max(span);
     let mut report = |time: f64| progress((time / expected_end).min(1.0));
-    bench.run_until(scene.duration, true, &mut report)?;
-    let found = trigger(scene, &bench, &signals(scene, &bench, shot));
-    if let Some(found) = found {
-        let grid = bench.grid();
-        let end = grid.time(found.index) + span + 2.0 * grid.interval;
-        bench.run_until(end, false, &mut report)?;
+    let accuracy = match integration {
+        Integration::Accuracy(accuracy) => Some(accuracy),
+        Integration::Method(_) => None,
+    };
+    Run::new(scene, shot, method, &mut report)?.complete(accuracy, &mut report)
+}
+
+/// A scene's chain, moved to the end of the scene's duration.
+pub struct Run<'a> {
+    scene: &'a Scene,
+    shot: u32,
+    method: Method,
+    bench: Bench<'a>,
+    /// Computing time so far (s).
+    wall_s: f64,
+}
+
+impl<'a> Run<'a> {
+    /// Moves the chain of `scene`, whose effects are decided, by `method`, with samples at the
+    /// scope's times and the scene's frames. `progress` is called with the time reached (s).
+    ///
+    /// # Errors
+    /// [`IntegrateError`] if the integrator cannot go on.
+    pub fn new(
+        scene: &'a Scene,
+        shot: u32,
+        method: Method,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Self, IntegrateError> {
+        Self::with_frames(scene, shot, (method, u64::MAX), film_grid(scene), progress)
     }
-    let wall_s = started.elapsed().as_secs_f64();
-    let shot = record(scene, &bench, found, shot);
-    let finished = Finished { scene, integration, method, bench: &bench, found, wall_s };
-    Ok(Outcome { summary: finished.summarise(&shot), shot })
+
+    /// The same with other `frames`, and with at most so many evaluations of all forces.
+    ///
+    /// # Errors
+    /// [`IntegrateError`] if the integrator cannot go on.
+    pub fn with_frames(
+        scene: &'a Scene,
+        shot: u32,
+        (method, most_evaluations): (Method, u64),
+        frames: Grid,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Self, IntegrateError> {
+        let started = Instant::now();
+        let (velocities, samples) = (scene.velocities(shot), sample_grid(scene, shot));
+        let bench = scene_bench(scene, &velocities, method, samples, frames);
+        let mut bench = bench.within(most_evaluations);
+        bench.run_until(scene.duration, true, progress)?;
+        Ok(Self { scene, shot, method, bench, wall_s: started.elapsed().as_secs_f64() })
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        self.scene
+    }
+
+    /// Peaks and arrivals at each sensor, and last at the wall if there is one.
+    pub fn readings(&self) -> Vec<Reading> {
+        read_places(self.scene, &self.bench)
+    }
+
+    /// Dynamic force at each sensor at the scope's sample times (N).
+    pub fn forces(&self) -> impl Iterator<Item = &[f64]> {
+        let sensors = self.scene.sensors.len();
+        self.bench.watches().iter().take(sensors).map(|watch| watch.samples.as_slice())
+    }
+
+    /// Time of a sample (s).
+    pub fn sample_time(&self, sample: usize) -> f64 {
+        self.bench.grid().time(sample)
+    }
+
+    /// Force that the impact raises at most (N).
+    pub fn impact_force(&self) -> f64 {
+        self.scene.chain.impact_force(&self.scene.velocities(self.shot))
+    }
+
+    /// The energy ledger so far.
+    pub fn energy(&self) -> EnergyLedger {
+        let (initial, last) = self.bench.energies();
+        EnergyLedger::new(initial, last, self.bench.dissipated())
+    }
+
+    /// Cost of the integration so far.
+    pub fn work(&self) -> Work {
+        self.bench.work()
+    }
+
+    /// Computing time so far (s).
+    pub fn wall_s(&self) -> f64 {
+        self.wall_s
+    }
+
+    /// The method.
+    pub fn method(&self) -> Method {
+        self.method
+    }
+
+    /// Moves on to the end of the scope's record, and records. `accuracy` (1) is that of the run,
+    /// none for a method by hand. `progress` is called with the time reached (s).
+    ///
+    /// # Errors
+    /// [`RunError`] if the integrator cannot go on.
+    pub fn complete(
+        mut self,
+        accuracy: Option<f64>,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Outcome, RunError> {
+        let (scene, started) = (self.scene, Instant::now());
+        let found = trigger(scene, &self.bench, &signals(scene, &self.bench, self.shot));
+        if let Some(found) = found {
+            let (_, span) = scene.scope.record_span();
+            let grid = self.bench.grid();
+            let end = grid.time(found.index) + span + 2.0 * grid.interval;
+            self.bench.run_until(end, false, progress)?;
+        }
+        self.wall_s += started.elapsed().as_secs_f64();
+        let shot = record(scene, &self.bench, found, self.shot);
+        Ok(Outcome { summary: self.summarise(&shot, accuracy, found), shot })
+    }
+
+    fn summarise(
+        &self,
+        shot: &Shot,
+        accuracy: Option<f64>,
+        found: Option<TriggerPosition>,
+    ) -> Summary {
+        let Self { scene, method, bench, wall_s, .. } = self;
+        let (sensors, wall) = read_bench(scene, bench);
+        let effects = outcome::effects(scene);
+        let work = bench.work();
+        Summary {
+            scene: scene.name.clone(),
+            title: scene.title.clone(),
+            scene_hash: scene.texts.hash().to_owned(),
+            seed: scene.seed,
+            method: method.name().to_owned(),
+            method_source: method.source().to_owned(),
+            accuracy,
+            error_estimate: None,
+            horizon_s: None,
+            step_s: method.fixed_step().map(|(step, _)| step),
+            tolerance: method.tolerance(),
+            force_evaluations: work.force_evaluations,
+            steps: work.steps,
+            rejected_steps: work.rejected,
+            contact_changes: bench.contact_changes(),
+            wall_s: *wall_s,
+            wall_held_s: None,
+            simulated_s: bench.time(),
+            duration_s: scene.duration,
+            effect_settings: effects.iter().map(|(name, set)| format!("{name}: {set}")).collect(),
+            effects: effects.into_iter().map(|(name, _)| name).collect(),
+            energy: self.energy(),
+            paper: paper_speeds::speed_of(scene),
+            speeds: outcome::speeds(&scene.chain, &sensors),
+            wall,
+            notes: notes::notes(scene, &sensors, shot, found, bench.extremes()),
+            sensors: sensors.into_iter().filter(|s| s.particle.is_some()).collect(),
+            trigger: TriggerReport {
+                recorded: found.is_some(),
+                crossed: found.is_some_and(|f| f.crossed),
+                time_s: shot.trigger_time,
+            },
+        }
+    }
 }
 
 /// The scope's sample times on the bench's clock, set as in the scene.
@@ -121,65 +273,4 @@ fn probes(scene: &Scene) -> Vec<ForceProbe> {
     };
     let sensors = scene.sensors.iter().filter_map(|s| sensor(s.site, s.offset));
     sensors.chain(wall()).collect()
-}
-
-/// A run at its end, with all that its summary tells.
-struct Finished<'a> {
-    scene: &'a Scene,
-    integration: Integration,
-    method: Method,
-    bench: &'a Bench<'a>,
-    found: Option<TriggerPosition>,
-    wall_s: f64,
-}
-
-impl Finished<'_> {
-    fn summarise(&self, shot: &Shot) -> Summary {
-        let Self { scene, integration, method, bench, found, wall_s } = *self;
-        let (sensors, wall) = read_bench(scene, bench);
-        let effects = outcome::effects(scene);
-        let (initial, last) = bench.energies();
-        let work = bench.work();
-        let accuracy = match integration {
-            Integration::Accuracy(accuracy) | Integration::Attempt { accuracy, .. } => {
-                Some(accuracy)
-            }
-            Integration::Method(_) => None,
-        };
-        Summary {
-            scene: scene.name.clone(),
-            title: scene.title.clone(),
-            scene_hash: scene.texts.hash().to_owned(),
-            seed: scene.seed,
-            method: method.name().to_owned(),
-            method_source: method.source().to_owned(),
-            accuracy,
-            accuracy_reason: None,
-            error_estimate: None,
-            horizon_s: None,
-            step_s: method.fixed_step().map(|(step, _)| step),
-            tolerance: method.tolerance(),
-            force_evaluations: work.force_evaluations,
-            steps: work.steps,
-            rejected_steps: work.rejected,
-            contact_changes: bench.contact_changes(),
-            wall_s,
-            wall_held_s: None,
-            simulated_s: bench.time(),
-            duration_s: scene.duration,
-            effect_settings: effects.iter().map(|(name, set)| format!("{name}: {set}")).collect(),
-            effects: effects.into_iter().map(|(name, _)| name).collect(),
-            energy: EnergyLedger::new(initial, last, bench.dissipated()),
-            paper: paper_speeds::speed_of(scene),
-            speeds: outcome::speeds(&scene.chain, &sensors),
-            wall,
-            notes: notes::notes(scene, &sensors, shot, found, bench.film()),
-            sensors: sensors.into_iter().filter(|s| s.particle.is_some()).collect(),
-            trigger: TriggerReport {
-                recorded: found.is_some(),
-                crossed: found.is_some_and(|f| f.crossed),
-                time_s: shot.trigger_time,
-            },
-        }
-    }
 }

@@ -2,13 +2,13 @@
 //! exceeded all before.
 
 use super::roots::refine_maximum;
-use crate::chain::ForceSegment;
-use crate::chain::probe_step::{ContactPair, StepOverlaps};
+use crate::motion::ForceSegment;
+use crate::motion::probe_step::{ContactPair, StepOverlaps};
 use crate::numeric::roots::root;
 
 /// A force over one step. Steps resolve the stiffest contact, or they would not be accepted, so a
 /// force turns at most twice between two of the places in
-/// [`SAMPLE_TIMES`](crate::chain::probe_step::SAMPLE_TIMES).
+/// [`SAMPLE_TIMES`](crate::motion::probe_step::SAMPLE_TIMES).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Segment {
     /// Of any method: which of [`ForceHistory::general`].

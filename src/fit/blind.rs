@@ -6,7 +6,6 @@ use rand_pcg::Pcg64;
 use serde::Serialize;
 
 use super::{FitError, FitOptions, FitReport, fit};
-use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, RunError, facts, run};
 use crate::measurement::compare::ComparedShot;
 use crate::numeric::statistics::Coverage;
@@ -156,7 +155,7 @@ fn one(
 ) -> Result<Result<FitReport, FitError>, BlindError> {
     let mut hiding = scene.with(truth).map_err(FitError::from)?;
     hiding.seed = options.seed.wrapping_add(u64::from(trial));
-    let integration = Integration::Accuracy(of_scene(&hiding)?.value);
+    let integration = Integration::Accuracy(hiding.accuracy);
     let shot = run(&hiding, integration, 1, &mut |_| ())?.shot;
     let metadata = facts::facts(&hiding, integration)?;
     let set = TraceSet { shots: vec![shot], metadata, ..TraceSet::default() };

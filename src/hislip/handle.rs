@@ -29,20 +29,24 @@ impl Server {
         match kind {
             Some(kind @ (MessageType::Data | MessageType::DataEnd | MessageType::Trigger)) => {
                 let delivered = header.control & 1 == 1;
-                let interrupts = session.begin(delivered, instrument.owes_reply(number));
-                let ends = kind != MessageType::Data;
-                if ends {
+                let owes_reply = instrument.owes_reply(number);
+                let interrupts = match kind {
+                    MessageType::Trigger => {
+                        session.trigger(delivered, owes_reply, header.parameter)
+                    }
+                    _ => session.begin(delivered, owes_reply),
+                };
+                if kind == MessageType::DataEnd {
                     session.end(header.parameter);
                 }
                 if interrupts {
                     self.interrupt(number, header.parameter, instrument);
                 }
-                if kind == MessageType::Trigger {
-                    instrument.trigger(number);
-                } else {
-                    let reply = instrument.input(number, payload, ends);
-                    self.reply(number, &reply);
-                }
+                let reply = match kind {
+                    MessageType::Trigger => instrument.trigger(number),
+                    _ => instrument.input(number, payload, kind == MessageType::DataEnd),
+                };
+                self.reply(number, &reply);
             }
             Some(MessageType::DeviceClearComplete) => {
                 session.clear();
@@ -51,7 +55,7 @@ impl Server {
                 self.send(connection, MessageType::DeviceClearAcknowledge, (0, 0), &[]);
             }
             Some(MessageType::Initialize | MessageType::AsyncInitialize) => {
-                let reason = "the session is there already";
+                let reason = "session already initialised";
                 self.refuse(connection, fatal::INVALID_INITIALISATION, reason, instrument);
             }
             _ => self.unknown(connection, header.code),
@@ -72,7 +76,7 @@ impl Server {
         let of_vendors = code >= FIRST_VENDOR_TYPE;
         let number =
             if of_vendors { error::UNKNOWN_VENDOR_TYPE } else { error::UNKNOWN_MESSAGE_TYPE };
-        self.complain(connection, number, &format!("no message of type {code} here"));
+        self.complain(connection, number, &format!("unknown message type {code}"));
     }
 
     pub(super) fn asynchronous(
@@ -87,7 +91,7 @@ impl Server {
         match MessageType::from_code(header.code) {
             Some(MessageType::AsyncMaximumMessageSize) => {
                 let Ok(size) = payload.try_into() else {
-                    return self.complain(from, error::OTHER_ERROR, "a size has eight bytes");
+                    return self.complain(from, error::OTHER_ERROR, "expected 8 bytes");
                 };
                 session.limit(u64::from_be_bytes(size));
                 let own = (MAX_PAYLOAD as u64).to_be_bytes();
@@ -121,12 +125,16 @@ impl Server {
                     Some(RemoteControl::Free) => instrument.lock_keys(false),
                     Some(RemoteControl::LockedOut) => instrument.lock_keys(true),
                     Some(RemoteControl::Unchanged) => {}
-                    None => return self.complain(from, error::UNKNOWN_CONTROL_CODE, "0 to 6"),
+                    None => {
+                        let reason =
+                            format!("unknown control code {}, expected 0 to 6", header.control);
+                        return self.complain(from, error::UNKNOWN_CONTROL_CODE, &reason);
+                    }
                 }
                 self.send(from, MessageType::AsyncRemoteLocalResponse, (0, 0), &[]);
             }
             Some(MessageType::Initialize | MessageType::AsyncInitialize) => {
-                let reason = "the session is there already";
+                let reason = "session already initialised";
                 self.refuse(from, fatal::INVALID_INITIALISATION, reason, instrument);
             }
             _ => self.unknown(from, header.code),
@@ -159,7 +167,11 @@ impl Server {
                 let until = self.now + RELEASE_TIMEOUT;
                 session.release = Some(Release { after: header.parameter, until });
             }
-            _ => self.complain(from, error::UNKNOWN_CONTROL_CODE, "0 releases, 1 requests"),
+            code => {
+                let reason =
+                    format!("unknown control code {code}, expected 0 (release) or 1 (request)");
+                self.complain(from, error::UNKNOWN_CONTROL_CODE, &reason);
+            }
         }
     }
 

@@ -34,7 +34,7 @@ kinds! {
     Error = 3,
     /// A client wants a lock, or gives one back.
     AsyncLock = 4,
-    /// Its state.
+    /// Reports the state of a lock.
     AsyncLockResponse = 5,
     /// Part of a message or reply.
     Data = 6,
@@ -42,17 +42,17 @@ kinds! {
     DataEnd = 7,
     /// The client has thrown away what was on the synchronous connection.
     DeviceClearComplete = 8,
-    /// So has the server.
+    /// Acknowledges a device clear.
     DeviceClearAcknowledge = 9,
     /// A client switches between remote and local control.
     AsyncRemoteLocalControl = 10,
-    /// That is done.
+    /// Acknowledges remote or local control.
     AsyncRemoteLocalResponse = 11,
     /// A device trigger.
     Trigger = 12,
     /// A reply was thrown away because another message came.
     Interrupted = 13,
-    /// The same on the asynchronous connection.
+    /// A reply was thrown away, told on the asynchronous connection.
     AsyncInterrupted = 14,
     /// The largest message that the client takes.
     AsyncMaximumMessageSize = 15,

@@ -21,6 +21,8 @@ pub(super) mod fatal {
     pub const CHANNEL_NOT_ESTABLISHED: u8 = 2;
     /// Invalid initialisation sequence.
     pub const INVALID_INITIALISATION: u8 = 3;
+    /// The server has as many clients as it takes.
+    pub const TOO_MANY_CLIENTS: u8 = 4;
 }
 
 /// Codes of errors after which a connection goes on (IVI-6.1, table 16).
@@ -81,7 +83,7 @@ impl Server {
         held || self.queue.contains_key(&number) || instrument.is_waiting(number)
     }
 
-    /// Closes connections that do not become a session: whoever means to has done so at once.
+    /// Closes connections that have not completed initialisation in time.
     fn expire(&mut self, instrument: &mut dyn Device) {
         let is_half = |link: &Connection| match link.session {
             None => true,
@@ -208,15 +210,15 @@ impl Server {
         match MessageType::from_code(header.code) {
             Some(MessageType::Initialize) => {
                 let known = payload.is_empty() || payload.eq_ignore_ascii_case(b"hislip0");
-                let free = (1..FIRST_LINK).find(|number| !self.sessions.contains_key(number));
-                let (Some(number), true) = (free, known) else {
+                if !known {
                     let reason = "the instrument's name is hislip0";
-                    return self.refuse(
-                        connection,
-                        fatal::INVALID_INITIALISATION,
-                        reason,
-                        instrument,
-                    );
+                    let code = fatal::INVALID_INITIALISATION;
+                    return self.refuse(connection, code, reason, instrument);
+                }
+                let free = (1..FIRST_LINK).find(|number| !self.sessions.contains_key(number));
+                let Some(number) = free else {
+                    let reason = "too many sessions";
+                    return self.refuse(connection, fatal::TOO_MANY_CLIENTS, reason, instrument);
                 };
                 self.sessions.insert(number, HislipSession::new(connection));
                 instrument.open(number, connection);

@@ -7,7 +7,7 @@ use crate::lan::ServiceRequest;
 const FIRST_MESSAGE_ID: u32 = 0xFFFF_FF00;
 /// Identifier of a reply to no message.
 const NO_MESSAGE_ID: u32 = 0xFFFF_FFFF;
-/// Smallest largest message that is honoured (bytes).
+/// Lower bound of the client's maximum message size (bytes).
 const MIN_MESSAGE_LIMIT: u64 = 64;
 /// Payload of a reply's part where the client names no limit (bytes).
 const DEFAULT_PAYLOAD_LIMIT: usize = 1 << 20;
@@ -79,6 +79,16 @@ impl HislipSession {
         }
         let interrupts = first && (self.undelivered || owes_reply);
         self.undelivered &= !interrupts;
+        interrupts
+    }
+
+    /// A device trigger with this identifier, which stands beside a message that has begun. Whether
+    /// it comes before the reply to the message before was delivered.
+    pub fn trigger(&mut self, delivered: bool, owes_reply: bool, identifier: u32) -> bool {
+        let within_message = self.within_message;
+        let interrupts = self.begin(delivered, owes_reply);
+        self.end(identifier);
+        self.within_message = within_message;
         interrupts
     }
 

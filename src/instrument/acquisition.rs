@@ -6,15 +6,17 @@
 //! or `Scan` where the time base is slow. Time is passed in, in seconds on any clock that does not
 //! run backwards.
 
+use std::collections::BTreeMap;
+
 use super::outcome::{Accepted, Finished, InFlight, TriggerInstant};
-use super::panel::{Panel, StopAfter};
-use super::record::{Acquirer, Signals};
+use super::record::{AcquisitionSettings, Signals};
 use super::scan::Sweep;
 use super::timing::{after_trigger, before_trigger, samples, scans};
-use super::word::words;
 use crate::scope::AcquireMode;
 use crate::scope::acquire::fold_average;
-use crate::scope::{Setup, Source, TriggerMode, TriggerSource, Waveform};
+use crate::scope::panel::StopAfter;
+use crate::scope::word::words;
+use crate::scope::{Panel, Setup, Source, TriggerMode, TriggerSource, Waveform};
 
 /// Automatic mode waits for a trigger at least this long (s).
 const AUTO_TRIGGER_TIMEOUT: f64 = 0.05;
@@ -51,8 +53,10 @@ pub struct Acquisition {
     count: u32,
     shots: u32,
     finished: Option<Finished>,
-    memories: [Option<Waveform>; 4],
-    means: [Vec<f64>; 4],
+    /// Records by channel.
+    memories: BTreeMap<u8, Waveform>,
+    /// Means of averaged records by channel.
+    means: BTreeMap<u8, Vec<f64>>,
 }
 
 impl Acquisition {
@@ -79,8 +83,8 @@ impl Acquisition {
 
     /// Empties all memories.
     pub fn forget(&mut self) {
-        self.memories = Default::default();
-        self.means = Default::default();
+        self.memories.clear();
+        self.means.clear();
         self.count = 0;
     }
 
@@ -111,7 +115,7 @@ impl Acquisition {
 
     /// Whether something has to end before `*OPC?` answers: a running single sequence.
     pub fn is_pending(&self, panel: &Panel) -> bool {
-        self.running && panel.acquire.stop_after == StopAfter::Sequence
+        self.running && panel.stop_after == StopAfter::Sequence
     }
 
     /// The present state.
@@ -142,68 +146,74 @@ impl Acquisition {
 
     /// The record of a channel.
     pub fn memory(&self, channel: u8) -> Option<&Waveform> {
-        self.memories.get(usize::from(channel).checked_sub(1)?)?.as_ref()
+        self.memories.get(&channel)
     }
 
     /// Puts a record into its channel's memory.
     pub fn keep(&mut self, record: Waveform) {
-        if let Source::Channel(number) = record.source
-            && let Some(memory) = self.memories.get_mut(usize::from(number).saturating_sub(1))
-        {
-            *memory = Some(record);
+        if let Source::Channel(number) = record.source {
+            self.memories.insert(number, record);
         }
     }
 
     /// Moves on to `now` (s): completes records, and lets automatic mode lose its patience.
-    pub fn advance(&mut self, by: &Acquirer<'_>, now: f64) {
+    pub fn advance(&mut self, settings: &AcquisitionSettings<'_>, now: f64) {
         if now.is_finite() {
             self.now = self.now.max(now);
         }
         if let Some(done) = self.in_flight.take_if(|r| r.complete_at <= self.now) {
             self.armed_at = done.complete_at;
-            self.complete(by.panel, (done.records, done.trigger), true);
+            self.complete(settings.panel, (done.records, done.trigger), true);
         }
-        if self.running && scans(by.setup) {
-            return self.scan(by);
+        if self.running && scans(settings.setup) {
+            return self.scan(settings);
         }
         self.sweep = None;
         // The mains come whatever the bench does.
-        let line = by.panel.trigger.source == TriggerSource::Line;
-        if line && self.state(by.panel, by.setup) == State::Ready && self.mains_passed(by) {
-            let records = self.quiet(by);
-            self.launch(by.setup, records, None);
+        let line = settings.panel.trigger.source == TriggerSource::Line;
+        if line
+            && self.state(settings.panel, settings.setup) == State::Ready
+            && self.mains_passed(settings)
+        {
+            let records = self.quiet(settings);
+            self.launch(settings.setup, records, None);
         }
-        let automatic = by.setup.trigger.mode == TriggerMode::Auto;
-        let patience = before_trigger(by.setup) + after_trigger(by.setup).max(AUTO_TRIGGER_TIMEOUT);
+        let automatic = settings.setup.trigger.mode == TriggerMode::Auto;
+        let patience = before_trigger(settings.setup)
+            + after_trigger(settings.setup).max(AUTO_TRIGGER_TIMEOUT);
         let waiting = self.running && self.in_flight.is_none() && automatic;
         if waiting && self.now >= self.armed_at + patience {
-            let records = self.quiet(by);
+            let records = self.quiet(settings);
             self.armed_at = self.now;
             self.untriggered = true;
-            self.complete(by.panel, (records, None), false);
+            self.complete(settings.panel, (records, None), false);
         }
     }
 
     /// Takes signals that arrive now, if the scope waits for a trigger.
-    pub fn accept(&mut self, by: &Acquirer<'_>, signals: &Signals) -> Accepted {
+    pub fn accept(&mut self, settings: &AcquisitionSettings<'_>, signals: &Signals) -> Accepted {
         let now = self.now;
-        self.accept_with(by, signals, || by.take(signals, now))
+        self.accept_with(settings, signals, || settings.take(signals, now))
     }
 
     /// The same with records that `take` makes of the signals.
     pub fn accept_with(
         &mut self,
-        by: &Acquirer<'_>,
+        settings: &AcquisitionSettings<'_>,
         signals: &Signals,
         take: impl FnOnce() -> Option<(Vec<Waveform>, TriggerInstant)>,
     ) -> Accepted {
-        match self.state(by.panel, by.setup) {
-            State::Scan if !Sweep::fits(by, signals) => return Accepted::OtherInterval,
-            State::Ready | State::Auto if !by.fits(signals) => return Accepted::OtherInterval,
+        match self.state(settings.panel, settings.setup) {
+            State::Scan if !Sweep::fits(settings, signals) => return Accepted::OtherInterval,
+            State::Ready | State::Auto if !settings.fits(signals) => {
+                return Accepted::OtherInterval;
+            }
             State::Ready | State::Auto => {}
             State::Scan => {
                 let now = self.now;
-                self.sweep.get_or_insert_with(|| Sweep::start(by, now)).accept(by, signals);
+                self.sweep
+                    .get_or_insert_with(|| Sweep::start(settings, now))
+                    .accept(settings, signals);
                 return Accepted::Scanned;
             }
             State::Armed | State::Trigger | State::Save => return Accepted::NotReady,
@@ -212,30 +222,30 @@ impl Acquisition {
             return Accepted::NoTrigger;
         };
         self.untriggered = false;
-        Accepted::Triggered { complete_at: self.launch(by.setup, records, Some(trigger)) }
+        Accepted::Triggered { complete_at: self.launch(settings.setup, records, Some(trigger)) }
     }
 
     /// Triggers now, if the scope waits for a trigger; nothing is at the inputs.
-    pub fn force(&mut self, by: &Acquirer<'_>) {
-        if self.state(by.panel, by.setup) == State::Ready {
-            let records = self.quiet(by);
-            self.launch(by.setup, records, None);
+    pub fn force(&mut self, settings: &AcquisitionSettings<'_>) {
+        if self.state(settings.panel, settings.setup) == State::Ready {
+            let records = self.quiet(settings);
+            self.launch(settings.setup, records, None);
         }
     }
 
     /// The sweep goes on until now.
-    fn scan(&mut self, by: &Acquirer<'_>) {
+    fn scan(&mut self, settings: &AcquisitionSettings<'_>) {
         let now = self.now;
-        let sweep = self.sweep.get_or_insert_with(|| Sweep::start(by, now));
-        let single = by.panel.acquire.stop_after == StopAfter::Sequence;
-        let depth = by.panel.acquire.depth();
-        let progress = sweep.advance(by, now, single.then_some(depth));
+        let sweep = self.sweep.get_or_insert_with(|| Sweep::start(settings, now));
+        let single = settings.panel.stop_after == StopAfter::Sequence;
+        let depth = settings.panel.acquire.depth();
+        let progress = sweep.advance(settings, now, single.then_some(depth));
         if !progress.moved {
             return;
         }
         self.count = self.count.saturating_add(progress.sweeps);
         let done = single && self.count >= depth;
-        let records = sweep.records(by, !done);
+        let records = sweep.records(settings, !done);
         if done {
             self.running = false;
             self.sweep = None;
@@ -247,9 +257,9 @@ impl Acquisition {
     }
 
     /// Whether the mains have gone through zero upward since the scope was ready for a trigger.
-    fn mains_passed(&self, by: &Acquirer<'_>) -> bool {
-        let cycles = |time: f64| (time * by.setup.model.line_frequency).floor();
-        cycles(self.now) > cycles(self.ready_at(by.panel, by.setup))
+    fn mains_passed(&self, settings: &AcquisitionSettings<'_>) -> bool {
+        let cycles = |time: f64| (time * settings.setup.model.line_frequency).floor();
+        cycles(self.now) > cycles(self.ready_at(settings.panel, settings.setup))
     }
 
     fn rearm(&mut self) {
@@ -272,14 +282,14 @@ impl Acquisition {
     }
 
     /// Records of inputs at which nothing happens.
-    fn quiet(&mut self, by: &Acquirer<'_>) -> Vec<Waveform> {
+    fn quiet(&mut self, settings: &AcquisitionSettings<'_>) -> Vec<Waveform> {
         self.shots = self.shots.wrapping_add(1);
         let shot = u32::MAX - self.shots;
-        if let Some(records) = by.take_quiet(shot) {
+        if let Some(records) = settings.take_quiet(shot) {
             return records;
         }
-        let interval = by.setup.signal_interval();
-        let (start, end) = by.setup.record_span();
+        let interval = settings.setup.signal_interval();
+        let (start, end) = settings.setup.record_span();
         let silence = vec![0.0; samples((end - start) / interval) + 1];
         let signals = Signals {
             time_base: None,
@@ -289,10 +299,11 @@ impl Acquisition {
             external: Vec::new(),
             shot,
         };
-        let mut setup = by.setup.clone();
+        let mut setup = settings.setup.clone();
         setup.trigger.mode = TriggerMode::Auto;
         let taken =
-            Acquirer { panel: by.panel, setup: &setup, seed: by.seed }.take(&signals, self.now);
+            AcquisitionSettings { panel: settings.panel, setup: &setup, seed: settings.seed }
+                .take(&signals, self.now);
         taken.map(|(records, _)| records).unwrap_or_default()
     }
 
@@ -306,15 +317,13 @@ impl Acquisition {
         let averages = panel.acquire.mode == AcquireMode::Average;
         let depth = panel.acquire.depth();
         for record in &mut records {
-            if averages
-                && let Source::Channel(number) = record.source
-                && let Some(mean) = self.means.get_mut(usize::from(number).saturating_sub(1))
-            {
+            if averages && let Source::Channel(number) = record.source {
+                let mean = self.means.entry(number).or_default();
                 fold_average(mean, record, self.count, depth);
             }
             self.keep(record.clone());
         }
-        if panel.acquire.stop_after == StopAfter::Sequence && self.count >= depth {
+        if panel.stop_after == StopAfter::Sequence && self.count >= depth {
             self.running = false;
         }
         if was_triggered || !self.running {

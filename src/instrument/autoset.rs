@@ -4,13 +4,13 @@
 //! large and how many cycles a signal becomes is this program's choice, within what the manual
 //! describes.
 
-use super::limits;
 use super::measure::measure;
-use super::panel::{
+use super::service::AutosetSignal;
+use super::{Event, Instrument, Source};
+use crate::scope::limits;
+use crate::scope::panel::{
     Cursor, CursorFunction, DisplayFormat, MeasurementType, StopAfter, TriggerType, View,
 };
-use super::service::{AutosetSignal, AutosetView};
-use super::{Event, Instrument, Source};
 use crate::scope::{AcquireMode, Coupling, EdgeCoupling, TriggerMode, TriggerSource, Waveform};
 
 /// Share of the samples of a square wave that lie near its ends (1).
@@ -35,7 +35,6 @@ impl Instrument {
         let first = shown.first().copied().unwrap_or(1);
         let record = self.waveform(Source::Channel(first));
         self.autoset_signal = record.map_or(AutosetSignal::None, |record| kind(&record));
-        self.service.autoset_view = AutosetView::Default;
         let reading = |number: u8, kind| {
             let record = self.waveform(Source::Channel(number)).ok()?;
             measure(kind, &record).ok().filter(|value: &f64| *value > 0.0)
@@ -68,9 +67,7 @@ impl Instrument {
         self.panel.horizontal.position = 0.0;
         self.panel.horizontal.view = View::Main;
         self.settings_for_repeated_signals();
-        let level = self.panel.trigger.level;
-        self.panel.trigger.level = self.panel.trigger_level(&self.model, level);
-        self.note_settled();
+        self.apply_panel();
         self.run();
     }
 
@@ -79,10 +76,10 @@ impl Instrument {
         panel.cursor = Cursor { function: CursorFunction::Off, ..panel.cursor };
         panel.display.format = DisplayFormat::Yt;
         panel.trigger.mode = TriggerMode::Auto;
-        panel.trigger.kind = TriggerType::Edge;
+        panel.trigger_type = TriggerType::Edge;
         panel.trigger.coupling = EdgeCoupling::Dc;
         panel.trigger.holdoff = self.model.limits.holdoff.0;
-        panel.acquire.stop_after = StopAfter::RunStop;
+        panel.stop_after = StopAfter::RunStop;
         if panel.acquire.mode == AcquireMode::Average {
             panel.acquire.mode = AcquireMode::Sample;
         }

@@ -29,6 +29,18 @@ pub struct BenchScene {
     pub magnet_force: Option<f64>,
 }
 
+/// What clients may change of the bench.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum BenchAccess {
+    /// Everything.
+    #[default]
+    Full,
+    /// Everything but faults.
+    NoFaults,
+    /// Nothing: they may look, and use the oscilloscope.
+    ReadOnly,
+}
+
 /// The bench as the remote interface knows it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RemoteBench {
@@ -36,6 +48,8 @@ pub struct RemoteBench {
     pub scene: BenchScene,
     /// Scenes that it can be set up as; none without a bench.
     pub scenes: Vec<BenchScene>,
+    /// What clients may change.
+    pub access: BenchAccess,
     /// Impacts so far.
     pub impacts: u32,
     /// Impacts asked for and not carried out.

@@ -10,8 +10,8 @@ use std::f64::consts::PI;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
-use super::panel::{FftWindow, MathFunction};
 use crate::scope::model::{FftLaw, RANGE_END_FACTOR};
+use crate::scope::panel::{FftWindow, MathFunction};
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 use crate::scope::{PointFormat, Preamble, Source, VerticalSetup, Waveform};
 

@@ -7,9 +7,9 @@
 //! edges are looked for in the longest part without a blank.
 
 use super::event::Event;
-use super::panel::MeasurementType;
 use super::scan::blank;
 use crate::scope::Waveform;
+use crate::scope::panel::MeasurementType;
 
 /// The reply without a result (unit).
 pub const INVALID: f64 = 9.9e37;

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use super::event::Event;
 use super::{Instrument, math};
+use crate::scope::word::Word as _;
 use crate::scope::{Source, Waveform};
 
 impl Instrument {
@@ -34,7 +35,7 @@ impl Instrument {
 
     /// What reference memory `letter` holds.
     pub fn reference(&self, letter: char) -> Option<&Waveform> {
-        self.references.get(reference_index(letter)?)?.as_ref()
+        self.references.get(&letter)
     }
 
     /// Displays a reference memory, or not.
@@ -64,9 +65,11 @@ impl Instrument {
     /// # Errors
     /// [`Event::NotAReference`] for an unknown memory.
     pub fn put_reference(&mut self, waveform: Waveform, letter: char) -> Result<(), Event> {
-        let index = reference_index(letter).ok_or(Event::NotAReference)?;
-        let memory = self.references.get_mut(index).ok_or(Event::NotAReference)?;
-        *memory = Some(Waveform { source: Source::Reference(letter), ..waveform });
+        let source = Source::Reference(letter);
+        if !source.exists(self.model.channels) {
+            return Err(Event::NotAReference);
+        }
+        self.references.insert(letter, Waveform { source, ..waveform });
         Ok(())
     }
 
@@ -87,11 +90,7 @@ impl Instrument {
     pub fn recall_setup(&mut self, number: usize) -> Result<(), Event> {
         let index = number.checked_sub(1).ok_or(Event::OutOfRange)?;
         self.panel = self.setups.get(index).ok_or(Event::OutOfRange)?.clone();
-        self.keep_consistent();
+        self.apply_panel();
         Ok(())
     }
-}
-
-fn reference_index(letter: char) -> Option<usize> {
-    "ABCD".find(letter)
 }

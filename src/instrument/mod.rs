@@ -12,39 +12,35 @@ mod autoset;
 pub mod bench;
 pub mod event;
 pub mod fault;
-pub mod limits;
 pub mod math;
 pub mod measure;
 mod memory;
 mod outcome;
-pub mod panel;
 mod preparation;
 pub mod record;
-mod scan;
+pub mod scan;
 mod service;
 pub mod status;
 pub mod timing;
 pub mod transfer;
-pub mod word;
 
-pub use bench::RemoteBench;
+pub use bench::{BenchAccess, RemoteBench};
 pub use event::Event;
 pub use fault::{Fault, Faults};
 pub use outcome::{Accepted, Finished, TriggerInstant};
-pub use panel::Panel;
 pub use preparation::{Preparation, Prepared};
 pub use record::Signals;
 pub use service::{AutosetSignal, Service};
 pub use status::Status;
 pub use timing::SampleWindow;
 
-use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 use crate::recording::Capture;
-use crate::scope::{ChannelSetup, Deviation, Model, Setup, Source, Waveform};
+use crate::scope::panel::DisplayFormat;
+use crate::scope::{ChannelSetup, Deviation, Model, Panel, Setup, Source, Waveform};
 use acquisition::{Acquisition, State};
-use panel::{CursorFunction, DisplayFormat};
-use record::Acquirer;
+use record::AcquisitionSettings;
 use transfer::{Incoming, Transfer};
 
 /// Set-up memories.
@@ -55,8 +51,8 @@ pub const SETUP_MEMORIES: usize = 10;
 pub struct Instrument {
     /// Limits of the model.
     pub model: Model,
-    /// Front panel.
-    pub panel: Panel,
+    /// Front panel. Whoever changes it calls [`Self::apply_panel`] afterwards.
+    pub(crate) panel: Panel,
     /// How waveforms travel.
     pub transfer: Transfer,
     /// Preamble of the next waveform sent in.
@@ -67,14 +63,15 @@ pub struct Instrument {
     pub service: Service,
     /// The remote interface's requests to the bench.
     pub bench: RemoteBench,
-    settled: Panel,
-    /// The settled front panel as front end and digitiser take it: built when something changes,
-    /// not at every look.
-    settled_setup: Setup,
+    /// The front panel at the last [`Self::apply_panel`].
+    applied: Panel,
+    /// That front panel as front end and digitiser take it.
+    setup: Setup,
     autoset_signal: AutosetSignal,
     acquisition: Acquisition,
-    references: [Option<Waveform>; 4],
-    setups: [Panel; SETUP_MEMORIES],
+    /// Reference memories that hold a waveform, by letter.
+    references: BTreeMap<char, Waveform>,
+    setups: Vec<Panel>,
     front_end: FrontEnd,
     seed: u64,
 }
@@ -103,14 +100,14 @@ impl Instrument {
         let mut instrument = Self::new(setup.model.clone(), setup.noise, seed);
         instrument.set_front_end(setup);
         instrument.panel = Panel::of(setup);
-        instrument.keep_consistent();
+        instrument.apply_panel();
         instrument
     }
 
     /// An instrument that was just switched on, with its factory set-up, running. `noise` is that
     /// of its front end, root mean square (div).
     pub fn new(model: Model, noise: f64, seed: u64) -> Self {
-        let panel = Panel::default();
+        let panel = Panel::factory(&model);
         let points = model.record_length;
         let mut instrument = Self {
             status: Status::power_on(model.event_queue),
@@ -118,18 +115,18 @@ impl Instrument {
             incoming: Incoming::initial(points),
             service: Service::default(),
             bench: RemoteBench::default(),
-            settled: panel.clone(),
-            settled_setup: panel.setup(&model),
+            applied: panel.clone(),
+            setup: panel.setup(&model),
             autoset_signal: AutosetSignal::None,
             acquisition: Acquisition::default(),
-            references: Default::default(),
-            setups: std::array::from_fn(|_| panel.clone()),
+            references: BTreeMap::new(),
+            setups: vec![panel.clone(); SETUP_MEMORIES],
             model,
             panel,
             front_end: FrontEnd { noise, errors: Vec::new() },
             seed,
         };
-        instrument.note_settled();
+        instrument.setup = instrument.build_setup();
         instrument.acquisition.run();
         instrument
     }
@@ -138,48 +135,50 @@ impl Instrument {
     /// of it.
     pub fn set_front_end(&mut self, setup: &Setup) {
         self.front_end = FrontEnd::of(setup);
-        self.settled_setup = self.build_setup(&self.settled);
+        self.setup = self.build_setup();
+    }
+
+    /// The front panel.
+    pub fn panel(&self) -> &Panel {
+        &self.panel
     }
 
     /// The sample grid on which signals are welcome with the present settings.
     pub fn sample_window(&self) -> SampleWindow {
-        SampleWindow::of(&self.current())
+        SampleWindow::of(&self.setup)
     }
 
     /// Time has passed: it is `now` (s), on any clock that does not run backwards.
     pub fn advance(&mut self, now: f64) {
-        let unsettled = self.unsettled_setup();
-        let setup = unsettled.as_ref().unwrap_or(&self.settled_setup);
-        let by = Acquirer { panel: &self.panel, setup, seed: self.seed };
-        self.acquisition.advance(&by, now);
+        let settings =
+            AcquisitionSettings { panel: &self.panel, setup: &self.setup, seed: self.seed };
+        self.acquisition.advance(&settings, now);
         self.note_completion();
     }
 
     /// Something happens at the inputs now. The record is complete, and in memory, when
     /// [`Self::advance`] has passed the time that is returned.
     pub fn accept_signals(&mut self, signals: &Signals) -> Accepted {
-        let unsettled = self.unsettled_setup();
-        let setup = unsettled.as_ref().unwrap_or(&self.settled_setup);
-        let by = Acquirer { panel: &self.panel, setup, seed: self.seed };
-        self.acquisition.accept(&by, signals)
+        let settings =
+            AcquisitionSettings { panel: &self.panel, setup: &self.setup, seed: self.seed };
+        self.acquisition.accept(&settings, signals)
     }
 
     /// What records are made with now, for [`Preparation::take`] on another thread.
     pub fn preparation(&self) -> Preparation {
-        let (panel, setup) = (self.panel.clone(), self.setup());
+        let (panel, setup) = (self.panel.clone(), self.setup.clone());
         Preparation { panel, setup, seed: self.seed, now: self.acquisition.now() }
     }
 
     /// As [`Self::accept_signals`] with records that were made before; nothing where they were made
     /// with other settings.
     pub fn accept_prepared(&mut self, signals: &Signals, prepared: Prepared) -> Option<Accepted> {
-        let unsettled = self.unsettled_setup();
-        let setup = unsettled.as_ref().unwrap_or(&self.settled_setup);
-        if !prepared.by.is_like(&self.panel, setup) {
+        if !prepared.by.is_like(&self.panel, &self.setup) {
             return None;
         }
-        let by = Acquirer { panel: &self.panel, setup, seed: self.seed };
-        Some(self.acquisition.accept_with(&by, signals, || prepared.taken))
+        let settings =
+            AcquisitionSettings { panel: &self.panel, setup: &self.setup, seed: self.seed };
+        Some(self.acquisition.accept_with(&settings, signals, || prepared.taken))
     }
 
     /// Shows finished captures as if just taken: their channels are displayed, and the acquisition
@@ -196,32 +195,19 @@ impl Instrument {
                 self.acquisition.keep(capture.waveform.clone());
             }
         }
-        self.note_settled();
+        // What was stored is on the screen: no restart.
+        self.applied = self.panel.clone();
+        self.setup = self.build_setup();
         self.note_completion();
     }
 
     /// The front panel as front end and digitiser take it.
-    pub fn setup(&self) -> Setup {
-        self.current().into_owned()
+    pub fn setup(&self) -> &Setup {
+        &self.setup
     }
 
-    fn current(&self) -> Cow<'_, Setup> {
-        self.unsettled_setup().map_or(Cow::Borrowed(&self.settled_setup), Cow::Owned)
-    }
-
-    /// The set-up of a front panel that was turned since the last [`Self::keep_consistent`].
-    fn unsettled_setup(&self) -> Option<Setup> {
-        (self.panel != self.settled).then(|| self.build_setup(&self.panel))
-    }
-
-    /// The front panel as it is now is what the acquisition knows.
-    fn note_settled(&mut self) {
-        self.settled = self.panel.clone();
-        self.settled_setup = self.build_setup(&self.settled);
-    }
-
-    fn build_setup(&self, panel: &Panel) -> Setup {
-        let mut setup = panel.setup(&self.model);
+    fn build_setup(&self) -> Setup {
+        let mut setup = self.panel.setup(&self.model);
         setup.noise = self.front_end.noise;
         for (channel, error) in setup.channels.iter_mut().zip(&self.front_end.errors) {
             if let Some(channel) = channel {
@@ -266,13 +252,13 @@ impl Instrument {
 
     /// State of the acquisition.
     pub fn state(&self) -> State {
-        self.acquisition.state(&self.panel, &self.current())
+        self.acquisition.state(&self.panel, &self.setup)
     }
 
     /// Records taken since the acquisition was started; always none in scan mode (manual,
     /// `ACQuire:NUMACq?`).
     pub fn acquisitions(&self) -> u32 {
-        if timing::scans(&self.current()) { 0 } else { self.acquisition.count() }
+        if timing::scans(&self.setup) { 0 } else { self.acquisition.count() }
     }
 
     /// Whether automatic measurements have nothing to measure: the scope scans, or draws one
@@ -288,51 +274,43 @@ impl Instrument {
 
     /// Triggers now, if the scope waits for a trigger.
     pub fn force_trigger(&mut self) {
-        let unsettled = self.unsettled_setup();
-        let setup = unsettled.as_ref().unwrap_or(&self.settled_setup);
-        let by = Acquirer { panel: &self.panel, setup, seed: self.seed };
-        self.acquisition.force(&by);
+        let settings =
+            AcquisitionSettings { panel: &self.panel, setup: &self.setup, seed: self.seed };
+        self.acquisition.force(&settings);
     }
 
-    /// After a change of settings: what a running acquisition has so far no longer fits, and it
-    /// begins anew.
-    pub fn keep_consistent(&mut self) {
-        if self.panel == self.settled {
+    /// Applies a changed front panel: settings are brought within their limits, and an acquisition
+    /// whose records so far no longer fit begins anew.
+    pub fn apply_panel(&mut self) {
+        if self.panel == self.applied {
             return;
         }
-        let setup = self.build_setup(&self.panel);
-        let changed = setup != self.settled_setup
-            || self.panel.trigger != self.settled.trigger
-            || self.panel.acquire != self.settled.acquire;
+        self.panel.fit(&self.model);
+        let setup = self.build_setup();
+        let (panel, applied) = (&self.panel, &self.applied);
+        let changed = setup != self.setup
+            || panel.trigger_type != applied.trigger_type
+            || panel.pulse != applied.pulse
+            || panel.stop_after != applied.stop_after;
         if changed {
             self.acquisition.restart();
         }
-        // Cursors do not leave the screen, and there are none in XY.
-        let (start, end) = setup.record_span();
-        for time in &mut self.panel.cursor.vertical {
-            *time = limits::within(*time, (start, end));
-        }
-        if self.panel.display.format == DisplayFormat::Xy {
-            self.panel.cursor.function = CursorFunction::Off;
-        }
-        self.settled = self.panel.clone();
-        self.settled_setup = setup;
+        self.setup = setup;
+        self.applied = self.panel.clone();
     }
 
     /// The factory set-up. Memories of waveforms and set-ups stay, and so do the settings that the
-    /// manual excepts: printer, contrast, lock, language and serial line.
+    /// manual excepts: printer, contrast, lock, language and serial line (all in [`Service`]).
     pub fn reset(&mut self) {
-        let mut panel = Panel::default();
-        panel.hard_copy = self.panel.hard_copy;
-        panel.display.contrast = self.panel.display.contrast;
-        self.panel = panel;
+        self.panel = Panel::factory(&self.model);
         self.transfer = Transfer::initial(self.model.record_length);
         self.incoming = Incoming::initial(self.model.record_length);
         self.service.device_trigger.clear();
         self.autoset_signal = AutosetSignal::None;
         self.acquisition.stop();
         self.acquisition.forget();
-        self.note_settled();
+        self.applied = self.panel.clone();
+        self.setup = self.build_setup();
         self.acquisition.run();
         self.note_completion();
     }

@@ -2,9 +2,8 @@
 //! the instrument has to answer.
 
 use super::outcome::TriggerInstant;
-use super::panel::Panel;
-use super::record::{Acquirer, Signals};
-use crate::scope::{Setup, Waveform};
+use super::record::{AcquisitionSettings, Signals};
+use crate::scope::{Panel, Setup, Waveform};
 
 /// What records are made with: settings, and the time (s).
 #[derive(Debug, Clone, PartialEq)]
@@ -26,17 +25,18 @@ impl Preparation {
     /// Conditions and digitises `signals`, and looks for the trigger. Signals of another sample
     /// interval have no records.
     pub fn take(self, signals: &Signals) -> Prepared {
-        let by = Acquirer { panel: &self.panel, setup: &self.setup, seed: self.seed };
-        let taken = if by.fits(signals) { by.take(signals, self.now) } else { None };
+        let settings =
+            AcquisitionSettings { panel: &self.panel, setup: &self.setup, seed: self.seed };
+        let taken = if settings.fits(signals) { settings.take(signals, self.now) } else { None };
         Prepared { by: self, taken }
     }
 
     /// Whether the same signals have the same records with this front panel and set-up.
     pub(super) fn is_like(&self, panel: &Panel, setup: &Setup) -> bool {
-        let records = |panel: &Panel| [1, 2, 3, 4].map(|number| panel.records(number));
+        let records = |number: &u8| self.panel.records(*number) == panel.records(*number);
         self.setup == *setup
-            && self.panel.trigger == panel.trigger
-            && self.panel.acquire == panel.acquire
-            && records(&self.panel) == records(panel)
+            && self.panel.trigger_type == panel.trigger_type
+            && self.panel.pulse == panel.pulse
+            && (1..=setup.model.channels).all(|number| records(&number))
     }
 }

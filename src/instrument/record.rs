@@ -3,9 +3,9 @@
 use std::f64::consts::TAU;
 
 use super::outcome::TriggerInstant;
-use super::panel::{Panel, PulsePolarity, PulseWhen, TriggerType};
 use crate::scope::acquire::{TriggerPosition, digitise, find_trigger, record};
 use crate::scope::front_end::{condition, noise_stream};
+use crate::scope::panel::{Panel, PulsePolarity, PulseWhen, TriggerType};
 use crate::scope::{AcquireMode, Setup, Source, TriggerMode, TriggerSource, Waveform};
 
 /// Signals at the inputs: volts at the probes' tips on one sample grid.
@@ -33,7 +33,7 @@ const EQUAL_SHARE: f64 = 0.05;
 const INTERVAL_TOLERANCE: f64 = 1e-9;
 
 /// One acquisition: settings and the seed of the noise.
-pub struct Acquirer<'a> {
+pub struct AcquisitionSettings<'a> {
     /// Front panel.
     pub panel: &'a Panel,
     /// The same as front end and digitiser take it.
@@ -42,7 +42,7 @@ pub struct Acquirer<'a> {
     pub seed: u64,
 }
 
-impl Acquirer<'_> {
+impl AcquisitionSettings<'_> {
     /// The record of every channel that is recorded and the trigger, or none if nothing triggers.
     /// Signals must have this set-up's sample interval; they arrive at `now` (s), which gives the
     /// phase of the mains.
@@ -140,7 +140,7 @@ impl Acquirer<'_> {
         let fallback = (self.setup.trigger.mode == TriggerMode::Auto)
             .then_some(TriggerPosition { index: automatic, crossed: false });
         let Some(signal) = signal else { return fallback };
-        match self.panel.trigger.kind {
+        match self.panel.trigger_type {
             TriggerType::Edge => {
                 // The acquisition has seen to it that the part before the trigger is full.
                 find_trigger(self.setup, scale, signal, automatic, 0)
@@ -153,12 +153,12 @@ impl Acquirer<'_> {
 
     /// The end of the first pulse whose width is as asked for.
     fn find_pulse(&self, signal: &[f64]) -> Option<TriggerPosition> {
-        let trigger = &self.panel.trigger;
-        let sign = match trigger.pulse_polarity {
+        let (level, pulse) = (self.panel.trigger.level, self.panel.pulse);
+        let sign = match pulse.polarity {
             PulsePolarity::Positive => 1.0,
             PulsePolarity::Negative => -1.0,
         };
-        let above = |volts: &f64| sign * (volts - trigger.level) >= 0.0;
+        let above = |volts: &f64| sign * (volts - level) >= 0.0;
         let mut inside = signal.first().is_some_and(above);
         let mut begun = None;
         for (index, volts) in signal.iter().enumerate() {
@@ -178,15 +178,15 @@ impl Acquirer<'_> {
     }
 
     fn is_wanted(&self, width: f64) -> bool {
-        let trigger = &self.panel.trigger;
+        let pulse = &self.panel.pulse;
         let guard_band = self.setup.model.limits.pulse_guard_band;
-        let tolerance = (EQUAL_SHARE * trigger.pulse_width).max(guard_band);
-        let equal = (width - trigger.pulse_width).abs() <= tolerance;
-        match trigger.pulse_when {
+        let tolerance = (EQUAL_SHARE * pulse.width).max(guard_band);
+        let equal = (width - pulse.width).abs() <= tolerance;
+        match pulse.when {
             PulseWhen::Equal => equal,
             PulseWhen::NotEqual => !equal,
-            PulseWhen::Inside => width < trigger.pulse_width,
-            PulseWhen::Outside => width > trigger.pulse_width,
+            PulseWhen::Inside => width < pulse.width,
+            PulseWhen::Outside => width > pulse.width,
         }
     }
 }

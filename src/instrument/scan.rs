@@ -9,7 +9,7 @@
 
 use std::collections::VecDeque;
 
-use super::record::{Acquirer, Signals};
+use super::record::{AcquisitionSettings, Signals};
 use crate::scope::AcquireMode;
 use crate::scope::acquire::{digitise, level};
 use crate::scope::front_end::{condition, noise_stream};
@@ -52,8 +52,8 @@ pub struct ScanProgress {
 
 impl Sweep {
     /// A sweep that starts at `now` (s) on a blank screen.
-    pub fn start(by: &Acquirer<'_>, now: f64) -> Self {
-        let codes = vec![LOWEST_CODE; by.setup.model.record_length];
+    pub fn start(settings: &AcquisitionSettings<'_>, now: f64) -> Self {
+        let codes = vec![LOWEST_CODE; settings.setup.model.record_length];
         let means = vec![0.0; codes.len()];
         let lane = ScanChannel { codes, means, ahead: VecDeque::new() };
         let lanes = std::array::from_fn(|_| lane.clone());
@@ -62,35 +62,40 @@ impl Sweep {
 
     /// Whether one point of the sweep is a whole number of samples of `signals`, to a percent of a
     /// sample.
-    pub fn fits(by: &Acquirer<'_>, signals: &Signals) -> bool {
-        let ratio = by.setup.model.interval(by.setup.time_base) / signals.interval;
+    pub fn fits(settings: &AcquisitionSettings<'_>, signals: &Signals) -> bool {
+        let ratio = settings.setup.model.interval(settings.setup.time_base) / signals.interval;
         ratio.is_finite() && ratio > 0.99 && (ratio - ratio.round()).abs() < 0.01
     }
 
     /// Puts down what arrives now: the next points are its first sample of each interval, or in
     /// peak detection its extremes.
-    pub fn accept(&mut self, by: &Acquirer<'_>, signals: &Signals) {
-        let Some(step) = step(by, signals.interval) else { return };
-        for (number, channel, lane) in recorded(by, &mut self.lanes) {
+    pub fn accept(&mut self, settings: &AcquisitionSettings<'_>, signals: &Signals) {
+        let Some(step) = step(settings, signals.interval) else { return };
+        for (number, channel, lane) in recorded(settings, &mut self.lanes) {
             let volts = signals.volts.get(usize::from(number) - 1).map(Vec::as_slice);
             let volts = volts.unwrap_or_default();
-            let mut noise = noise_stream(by.seed, signals.shot, number);
-            let signal = condition(by.setup, channel, signals.interval, volts, &mut noise);
+            let mut noise = noise_stream(settings.seed, signals.shot, number);
+            let signal = condition(settings.setup, channel, signals.interval, volts, &mut noise);
             let signal = signal.get(signals.automatic..).unwrap_or_default();
-            lane.ahead = points(by, channel, signal, step).collect();
-            lane.ahead.truncate(by.setup.model.record_length);
+            lane.ahead = points(settings, channel, signal, step).collect();
+            lane.ahead.truncate(settings.setup.model.record_length);
         }
     }
 
     /// Writes all points until `now` (s), no more than those of `most` sweeps.
-    pub fn advance(&mut self, by: &Acquirer<'_>, now: f64, most: Option<u32>) -> ScanProgress {
-        let points_of_sweep = by.setup.model.record_length.max(1);
-        let interval = by.setup.model.interval(by.setup.time_base);
-        let dense = by.setup.signal_interval();
-        let per_point = step(by, dense).unwrap_or(1);
+    pub fn advance(
+        &mut self,
+        settings: &AcquisitionSettings<'_>,
+        now: f64,
+        most: Option<u32>,
+    ) -> ScanProgress {
+        let points_of_sweep = settings.setup.model.record_length.max(1);
+        let interval = settings.setup.model.interval(settings.setup.time_base);
+        let dense = settings.setup.signal_interval();
+        let per_point = step(settings, dense).unwrap_or(1);
         let due = ((now - self.started) / interval * (1.0 + 1e-12)).floor() as usize;
         // In peak detection two points belong together.
-        let due = if peaks(by) { due - due % 2 } else { due };
+        let due = if peaks(settings) { due - due % 2 } else { due };
         let due =
             most.map_or(due, |sweeps| due.min(points_of_sweep.saturating_mul(sweeps as usize)));
         let before = self.written;
@@ -104,13 +109,13 @@ impl Sweep {
         let first = due - new.min(points_of_sweep);
         let lost = first - before;
         let batch = u32::MAX - self.batches;
-        let depth = by.panel.acquire.depth();
-        for (number, channel, lane) in recorded(by, &mut self.lanes) {
+        let depth = settings.panel.acquire.depth();
+        for (number, channel, lane) in recorded(settings, &mut self.lanes) {
             lane.ahead.drain(..lost.min(lane.ahead.len()));
-            let mut noise = noise_stream(by.seed, batch, number);
+            let mut noise = noise_stream(settings.seed, batch, number);
             let silence = vec![0.0; (due - first) * per_point];
-            let quiet = condition(by.setup, channel, dense, &silence, &mut noise);
-            for (index, quiet) in (first..due).zip(points(by, channel, &quiet, per_point)) {
+            let quiet = condition(settings.setup, channel, dense, &silence, &mut noise);
+            for (index, quiet) in (first..due).zip(points(settings, channel, &quiet, per_point)) {
                 let code = lane.ahead.pop_front().unwrap_or(quiet);
                 lane.write(index % points_of_sweep, code, sweep(index / points_of_sweep, depth));
             }
@@ -121,15 +126,15 @@ impl Sweep {
     }
 
     /// The shown part of each recorded channel; a sweep that goes on has a blank ahead of it.
-    pub fn records(&self, by: &Acquirer<'_>, goes_on: bool) -> Vec<Waveform> {
-        let points = by.setup.model.record_length.max(1);
-        let gap = gap(by);
+    pub fn records(&self, settings: &AcquisitionSettings<'_>, goes_on: bool) -> Vec<Waveform> {
+        let points = settings.setup.model.record_length.max(1);
+        let gap = gap(settings);
         let end = self.written % points;
-        let channels = (1..).zip(&by.setup.channels).zip(&self.lanes);
+        let channels = (1..).zip(&settings.setup.channels).zip(&self.lanes);
         let record = |((number, channel), lane): ((u8, &Option<ChannelSetup>), &ScanChannel)| {
             let source = Source::Channel(number);
-            let channel = channel.as_ref().filter(|_| by.panel.records(number))?;
-            let mut record = digitise(by.setup, source, channel, &[], 0);
+            let channel = channel.as_ref().filter(|_| settings.panel.records(number))?;
+            let mut record = digitise(settings.setup, source, channel, &[], 0);
             record.codes.clone_from(&lane.codes);
             if goes_on && self.written > points {
                 for index in end..end + gap {
@@ -138,7 +143,7 @@ impl Sweep {
                     }
                 }
             }
-            if peaks(by) {
+            if peaks(settings) {
                 record.preamble.pt_fmt = PointFormat::Envelope;
             }
             record.preamble.x_zero = 0.0;
@@ -199,8 +204,8 @@ pub fn blank(record: &Waveform) -> Vec<bool> {
     blank
 }
 
-fn peaks(by: &Acquirer<'_>) -> bool {
-    by.panel.acquire.mode == AcquireMode::PeakDetect
+fn peaks(settings: &AcquisitionSettings<'_>) -> bool {
+    settings.panel.acquire.mode == AcquireMode::PeakDetect
 }
 
 /// Number of a sweep before which `index` were complete, counted from 1, no more than `most`.
@@ -211,13 +216,13 @@ fn sweep(index: usize, most: u32) -> u32 {
 /// Levels of the points of a signal with `step` samples to each: the first of them, or in peak
 /// detection the lowest and the highest of two points' in turn.
 fn points<'a>(
-    by: &Acquirer<'_>,
+    settings: &AcquisitionSettings<'_>,
     channel: &'a ChannelSetup,
     signal: &'a [f64],
     step: usize,
 ) -> Box<dyn Iterator<Item = i16> + 'a> {
     let code = |volts: f64| level(&channel.vertical, volts);
-    if !peaks(by) {
+    if !peaks(settings) {
         return Box::new(signal.iter().step_by(step).map(move |volts| code(*volts)));
     }
     Box::new(signal.chunks(2 * step).flat_map(move |window| {
@@ -229,25 +234,25 @@ fn points<'a>(
 
 /// Channels that are recorded, with what belongs to each.
 fn recorded<'a>(
-    by: &'a Acquirer<'_>,
+    settings: &'a AcquisitionSettings<'_>,
     lanes: &'a mut [ScanChannel; 4],
 ) -> impl Iterator<Item = (u8, &'a ChannelSetup, &'a mut ScanChannel)> {
-    let channels = (1..).zip(&by.setup.channels).zip(lanes);
+    let channels = (1..).zip(&settings.setup.channels).zip(lanes);
     channels.filter_map(|((number, channel), lane)| {
-        let on = by.panel.records(number);
+        let on = settings.panel.records(number);
         Some((number, channel.as_ref().filter(|_| on)?, lane))
     })
 }
 
 /// Samples of a signal at `interval` (s) in one of the record's.
-fn step(by: &Acquirer<'_>, interval: f64) -> Option<usize> {
-    let ratio = by.setup.model.interval(by.setup.time_base) / interval;
+fn step(settings: &AcquisitionSettings<'_>, interval: f64) -> Option<usize> {
+    let ratio = settings.setup.model.interval(settings.setup.time_base) / interval;
     (ratio.is_finite() && ratio > 0.0).then(|| (ratio.round() as usize).max(1))
 }
 
 /// Blank points ahead of the sweep.
-fn gap(by: &Acquirer<'_>) -> usize {
-    let model = &by.setup.model;
+fn gap(settings: &AcquisitionSettings<'_>) -> usize {
+    let model = &settings.setup.model;
     let points = model.record_length as f64 / model.horizontal_divisions * model.scan_gap;
     (points.round() as usize).min(model.record_length)
 }

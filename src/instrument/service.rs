@@ -1,42 +1,11 @@
-//! Settings that belong to no set-up memory: lock, device trigger, serial line, language.
+//! Settings that belong to no set-up memory: lock, device trigger, printer, serial line, language.
 
-use super::word::words;
+use std::collections::BTreeMap;
+
+use crate::scope::panel::HardCopy;
+use crate::scope::word::words;
 
 words! {
-    /// Parity of the serial line.
-    Parity {
-        /// Even.
-        Even = "EVEN",
-        /// None.
-        None = "NONe",
-        /// Odd.
-        Odd = "ODD",
-    }
-
-    /// Language of the screen.
-    Language {
-        /// English.
-        English = "ENGLish",
-        /// French.
-        French = "FRENch",
-        /// German.
-        German = "GERMan",
-        /// Italian.
-        Italian = "ITALian",
-        /// Spanish.
-        Spanish = "SPANish",
-        /// Portuguese.
-        Portuguese = "PORTUguese",
-        /// Japanese.
-        Japanese = "JAPAnese",
-        /// Korean.
-        Korean = "KOREan",
-        /// Traditional Chinese.
-        TraditionalChinese = "TRADitionalchinese",
-        /// Simplified Chinese.
-        SimplifiedChinese = "SIMPlifiedchinese",
-    }
-
     /// What `AUTOSet` takes its signal for.
     AutosetSignal {
         /// A level that does not change.
@@ -54,57 +23,23 @@ words! {
         /// Nothing was looked at.
         None = "NONe",
     }
-
-    /// How `AUTOSet` shows its signal.
-    AutosetView {
-        /// Several cycles.
-        ManyCycles = "MULTICY",
-        /// One cycle.
-        OneCycle = "SINGLECY",
-        /// Its spectrum.
-        Spectrum = "FFT",
-        /// A rising edge.
-        Rising = "RISING",
-        /// A falling edge.
-        Falling = "FALLING",
-        /// A field of a video signal.
-        Field = "FIELD",
-        /// Its odd fields.
-        Odd = "ODD",
-        /// Its even fields.
-        Even = "EVEN",
-        /// Its lines.
-        Line = "LINE",
-        /// One of its lines.
-        LineNumber = "LINENum",
-        /// A level.
-        Level = "DCLIne",
-        /// As usual.
-        Default = "DEFault",
-        /// Nothing was set up.
-        None = "NONE",
-    }
 }
 
-/// Lock, device trigger, serial line, language.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// Settings that no set-up memory holds and no reset changes.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Service {
     /// Whether the front panel's keys are locked.
     pub locked: bool,
     /// What `*TRG` does (`*DDT`); empty: force a trigger.
     pub device_trigger: String,
-    /// Language of the screen.
-    pub language: Language,
-    /// Speed of the serial line (baud).
-    pub baud: u32,
+    /// Printer.
+    pub hard_copy: HardCopy,
     /// Whether the serial line is stopped by RTS and CTS.
     pub hard_flagging: bool,
     /// Whether the serial line is stopped by XON and XOFF.
     pub soft_flagging: bool,
-    /// Parity of the serial line.
-    pub parity: Parity,
-    /// How `AUTOSet` shows its signal.
-    pub autoset_view: AutosetView,
+    /// Settings without effect, by the header of their command: stored and returned.
+    pub stored: BTreeMap<&'static str, u32>,
 }
 
 impl Default for Service {
@@ -112,12 +47,10 @@ impl Default for Service {
         Self {
             locked: false,
             device_trigger: String::new(),
-            language: Language::English,
-            baud: 9600,
+            hard_copy: HardCopy::default(),
             hard_flagging: true,
             soft_flagging: false,
-            parity: Parity::None,
-            autoset_view: AutosetView::None,
+            stored: BTreeMap::new(),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! How waveforms travel: the settings of `DATa`, and the preamble that comes with a waveform sent
 //! in.
 
-use super::word::words;
+use crate::scope::word::words;
 use crate::scope::{PointFormat, Source};
 
 words! {
@@ -76,7 +76,7 @@ pub struct Transfer {
     /// Order of bytes.
     pub byte_order: ByteOrder,
     /// Bytes in a point, 1 or 2.
-    pub width: u8,
+    pub width: usize,
     /// The waveform that is sent out.
     pub source: Source,
     /// The reference memory that takes waveforms in.
@@ -136,10 +136,12 @@ impl Transfer {
     /// Offset added to levels before they are sent: positive numbers begin at the lowest level,
     /// text is signed (1).
     pub fn shift(&self) -> f64 {
-        match (self.format, self.numbers) {
-            (CurveFormat::Binary, NumberFormat::Positive) => LEVELS_BELOW_ZERO,
-            _ => 0.0,
-        }
+        if self.format == CurveFormat::Ascii { 0.0 } else { self.binary_shift() }
+    }
+
+    /// The same for blocks (1).
+    pub fn binary_shift(&self) -> f64 {
+        if self.numbers == NumberFormat::Positive { LEVELS_BELOW_ZERO } else { 0.0 }
     }
 
     /// First and last point of a record of `points` that are sent, as indices in the right order.

@@ -28,8 +28,8 @@ pub trait Device {
     fn interrupt(&mut self, session: u16);
     /// Device clear.
     fn clear(&mut self, session: u16);
-    /// Device trigger.
-    fn trigger(&mut self, session: u16);
+    /// Device trigger; returns the reply, if there is one at once.
+    fn trigger(&mut self, session: u16) -> Vec<u8>;
     /// The front panel's keys.
     fn lock_keys(&mut self, locked: bool);
     /// The status byte, and the parts of it that ask for service.

@@ -158,7 +158,7 @@ impl DrawnBenches {
             }
         }
         let count = scenes.len();
-        let work = |(): &mut (), scene: &Scene| predict(scene, ACCURACY, traces);
+        let work = |scene: &Scene| predict(scene, ACCURACY, traces);
         let done = |finished: usize| progress(finished as f64 / count as f64);
         let mut found = in_parallel(processors(), &scenes, &work, &done).into_iter();
         let mut next = || found.next().transpose()?.ok_or(UncertaintyError::NoSamples);

@@ -1,7 +1,7 @@
 //! The summary of a run as a page of text.
 
 use super::table;
-use crate::experiment::outcome::ErrorEstimate;
+use crate::experiment::estimate::ErrorEstimate;
 use crate::experiment::outcome::{EnergyLedger, TOLERABLE};
 use crate::experiment::outcome::{Reading, Speed, Summary};
 use crate::quantity::engineering;
@@ -89,7 +89,7 @@ fn speeds(speeds: &[Speed]) -> Vec<String> {
 fn costs(summary: &Summary) -> Vec<String> {
     let energy = &summary.energy;
     let setting = match (summary.accuracy, summary.step_s, summary.tolerance) {
-        (Some(accuracy), ..) => accuracy_words(accuracy, summary.accuracy_reason.as_deref()),
+        (Some(accuracy), ..) => format!("accuracy {}", short(accuracy)),
         (None, Some(step), _) => format!("step {} by hand", engineering(step, "s", 4)),
         (None, None, Some(tolerance)) => format!("step tolerance {} by hand", short(tolerance)),
         (None, None, None) => String::new(),
@@ -146,11 +146,6 @@ fn costs(summary: &Summary) -> Vec<String> {
 /// A small number, rounded to what can be remembered.
 fn short(value: f64) -> String {
     format!("{value:.1e}").replace(".0e", "e")
-}
-
-/// An accuracy (1), and why this one.
-fn accuracy_words(accuracy: f64, reason: Option<&str>) -> String {
-    format!("accuracy {} ({})", short(accuracy), reason.unwrap_or("asked for"))
 }
 
 /// How far off what is printed above may be.

@@ -3,54 +3,36 @@
 
 use super::reader::effect;
 use super::reader::{Bound, TableReader};
-use crate::chain::{
-    ContactOverride, Dashpot, EffectsSpec, EndOfContact, KuwabaraKono, LossSpec, PowerLawLoss,
-};
+use crate::chain::{ContactOverride, EffectsSpec, EndOfContact, LOSS_MODELS, LossModel, LossSpec};
 use crate::quantity::Dimension;
 
-/// Largest dashpot: beyond it a bead of this bench would stop within a nanosecond (N s/m).
-const MAX_GAMMA: f64 = 1e5;
-/// Largest time of Kuwabara and Kono: hundreds of times the duration of an impact (s).
-const MAX_ETA: f64 = 1e-3;
-/// Largest force of the power law at 1 m/s (N).
-const MAX_FORCE: f64 = 1e5;
 /// Exponents of the power law: below one the loss would be infinitely steep at rest.
 const EXPONENTS: Bound = Bound::Within(1.0, 5.0);
-
-/// A coefficient's key, dimension and range.
-type Coefficient = (&'static str, Dimension, Bound);
 
 /// Reads the losses into `spec`. `kinds` are the kinds of particles that stand beside each other,
 /// with "striker" and "wall".
 pub fn losses(effects: &TableReader<'_>, pairs: &[(&str, &str)], spec: &mut EffectsSpec) {
     let mut ends = Vec::new();
-    if let Some(table) = effect(effects, "dashpot") {
-        let gamma = ("gamma", Dimension::DAMPING, Bound::Within(0.0, MAX_GAMMA));
-        spec.dashpot = loss(&table, gamma, pairs, &mut ends).map(|gamma| Dashpot { gamma });
-        table.finish();
-    }
-    if let Some(table) = effect(effects, "kuwabara_kono") {
-        let eta = ("eta", Dimension::TIME, Bound::Within(0.0, MAX_ETA));
-        spec.kuwabara_kono = loss(&table, eta, pairs, &mut ends).map(|eta| KuwabaraKono { eta });
-        table.finish();
-    }
-    if let Some(table) = effect(effects, "power_law_loss") {
-        let exponent = table.required("exponent", Dimension::NONE, EXPONENTS);
-        let force = ("force_at_1_m_per_s", Dimension::FORCE, Bound::Within(0.0, MAX_FORCE));
-        let force = loss(&table, force, pairs, &mut ends);
-        spec.power_law_loss =
-            force.zip(exponent).map(|(force, exponent)| PowerLawLoss { force, exponent });
-        table.finish();
+    for (model, loss_spec) in LOSS_MODELS.iter().zip(&mut spec.losses) {
+        if let Some(table) = effect(effects, model.name) {
+            let has_exponent = model.has_exponent;
+            let read = || table.required("exponent", Dimension::NONE, EXPONENTS);
+            let exponent = if has_exponent { read() } else { Some(1.0) };
+            let read = loss(&table, model, pairs, &mut ends);
+            *loss_spec = read.zip(exponent).map(|(spec, exponent)| LossSpec { exponent, ..spec });
+            table.finish();
+        }
     }
 }
 
 fn loss(
     table: &TableReader<'_>,
-    coefficient: Coefficient,
+    model: &LossModel,
     pairs: &[(&str, &str)],
     ends: &mut Vec<EndOfContact>,
 ) -> Option<LossSpec> {
-    let (key, dimension, bound) = coefficient;
+    let LossModel { key, dimension, .. } = *model;
+    let bound = Bound::Within(0.0, model.largest);
     let _ = table.text("source");
     let value = table.required(key, dimension, bound);
     let words = [EndOfContact::ZeroOverlap, EndOfContact::ZeroForce].map(|end| (end.name(), end));
@@ -96,6 +78,6 @@ fn loss(
             None => complete = false,
         }
     }
-    let spec = LossSpec { value: value?, overrides, end: end? };
+    let spec = LossSpec { value: value?, exponent: 1.0, overrides, end: end? };
     complete.then_some(spec)
 }

@@ -48,12 +48,10 @@ use crate::scope::{Model, Setup};
 use crate::sensor::SensorTolerance;
 use bench::CachedPanel;
 use bodies::Materials;
-use document::Value;
 use problem::MISSING;
 use reader::{Bound, Problems, TableReader};
 
-/// Accuracy of a scene that names none and whose scope sees no pulse: relative error of first-peak
-/// forces and times (1).
+/// Accuracy of a scene that names none: relative error of first-peak forces and times (1).
 pub const DEFAULT_ACCURACY: f64 = 1e-6;
 /// Tightest accuracy that double precision supports over a whole run (1).
 pub const TIGHTEST_ACCURACY: f64 = 1e-11;
@@ -99,9 +97,8 @@ pub struct Scene {
     /// How often in that time the forces of all contacts and the displacements of all bodies are
     /// kept (1).
     pub frames: u32,
-    /// Relative error tolerated in first-peak forces and times; none where it follows from the
-    /// scope (1).
-    pub accuracy: Option<f64>,
+    /// Relative error tolerated in first-peak forces and times (1).
+    pub accuracy: f64,
     /// Seed of everything random.
     pub seed: u64,
     /// Effects that are switched off where nothing would be seen of them (`state = "auto"`), as
@@ -238,14 +235,10 @@ fn read(
     })
 }
 
-/// The accuracy; none for `"auto"`, which switches off a base scene's.
-fn accuracy(root: &TableReader<'_>) -> Option<f64> {
-    if matches!(root.node("accuracy").map(|node| &node.value), Some(Value::Text(text)) if &**text == "auto")
-    {
-        return None;
-    }
+/// The accuracy, or else [`DEFAULT_ACCURACY`] (1).
+fn accuracy(root: &TableReader<'_>) -> f64 {
     let bound = Bound::Within(TIGHTEST_ACCURACY, LOOSEST_ACCURACY);
-    root.quantity("accuracy", Dimension::NONE, bound)
+    root.quantity("accuracy", Dimension::NONE, bound).unwrap_or(DEFAULT_ACCURACY)
 }
 
 /// The bodies, as far as they could be read.

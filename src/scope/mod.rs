@@ -8,12 +8,16 @@
 
 pub mod acquire;
 pub mod front_end;
+pub mod limits;
 pub mod model;
+pub mod panel;
 pub mod set_up;
 pub mod setup;
 pub mod waveform;
+pub mod word;
 
 pub use model::Model;
+pub use panel::Panel;
 pub use setup::{
     AcquireMode, AcquireSetup, ChannelSetup, Deviation, EdgeCoupling, Setup, Slope, Trigger,
     TriggerMode, TriggerSource,

@@ -5,8 +5,9 @@
 
 use std::fmt::Write as _;
 
-use super::setup::{AcquireMode, EdgeCoupling, Setup, Slope, TriggerMode};
+use super::setup::Setup;
 use super::waveform::{Coupling, PointFormat, Source, Waveform};
+use super::word::Word as _;
 
 /// A number as the instrument writes it (NR3): shortest mantissa with at least one decimal,
 /// `5.0E-1`, `1.0E0`.
@@ -46,11 +47,8 @@ pub fn waveform_id(waveform: &Waveform, number: fn(f64) -> String, mode: &str) -
 /// The settings that this program models, in the order of a `.SET` file.
 pub fn set_up_text(setup: &Setup) -> String {
     let on_off = |flag: bool| if flag { "ON" } else { "OFF" };
-    let mode = match setup.acquisition.mode {
-        AcquireMode::Sample => "SAMPLE",
-        AcquireMode::PeakDetect => "PEAKDETECT",
-        AcquireMode::Average => "AVERAGE",
-    };
+    let word = |word: &str| word.to_ascii_uppercase();
+    let mode = word(setup.acquisition.mode.word());
     let averages = setup.acquisition.averages;
     let mut text = format!(":ACQUIRE:MODE {mode};NUMAVG {averages};STATE 0;STOPAFTER SEQUENCE");
     let mut select = String::new();
@@ -71,21 +69,8 @@ pub fn set_up_text(setup: &Setup) -> String {
         );
     }
     let trigger = &setup.trigger;
-    let mode = match trigger.mode {
-        TriggerMode::Auto => "AUTO",
-        TriggerMode::Normal => "NORMAL",
-    };
-    let slope = match trigger.slope {
-        Slope::Rise => "RISE",
-        Slope::Fall => "FALL",
-    };
-    let coupling = match trigger.coupling {
-        EdgeCoupling::Dc => "DC",
-        EdgeCoupling::Ac => "AC",
-        EdgeCoupling::HighFrequencyReject => "HFREJ",
-        EdgeCoupling::LowFrequencyReject => "LFREJ",
-        EdgeCoupling::NoiseReject => "NOISEREJ",
-    };
+    let mode = word(trigger.mode.word());
+    let (slope, coupling) = (word(trigger.slope.word()), word(trigger.coupling.word()));
     let _ = write!(
         text,
         ";:HORIZONTAL:VIEW MAIN;MAIN:SCALE {};POSITION {};:TRIGGER:MAIN:MODE {mode};TYPE EDGE;\

@@ -7,6 +7,7 @@ use rand_pcg::Pcg64;
 
 use super::model::Model;
 use super::waveform::VerticalSetup;
+use super::word::words;
 
 /// A channel that is on.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,22 +46,24 @@ impl Deviation {
 /// channel's.
 const DEVIATIONS: u128 = 1 << 64;
 
-/// Direction in which the signal crosses the trigger level.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Slope {
-    /// Upward.
-    Rise,
-    /// Downward.
-    Fall,
+words! {
+    /// Direction in which the signal crosses the trigger level.
+    Slope {
+        /// Upward.
+        Rise = "RISe",
+        /// Downward.
+        Fall = "FALL",
+    }
 }
 
-/// Behaviour without a trigger.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum TriggerMode {
-    /// The scope takes a record anyway.
-    Auto,
-    /// The scope waits.
-    Normal,
+words! {
+    /// Behaviour without a trigger.
+    TriggerMode {
+        /// The scope takes a record anyway.
+        Auto = "AUTO",
+        /// The scope waits.
+        Normal = "NORMal",
+    }
 }
 
 /// How much farther the external input reaches with its divider (1).
@@ -114,30 +117,32 @@ impl fmt::Display for TriggerSource {
     }
 }
 
-/// Coupling of the edge trigger.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum EdgeCoupling {
-    /// Nothing is left out.
-    Dc,
-    /// The mean is left out.
-    Ac,
-    /// High frequencies are left out.
-    HighFrequencyReject,
-    /// Low frequencies are left out.
-    LowFrequencyReject,
-    /// Crossings must be twice as large.
-    NoiseReject,
+words! {
+    /// Coupling of the edge trigger.
+    EdgeCoupling {
+        /// Nothing is left out.
+        Dc = "DC",
+        /// The mean is left out.
+        Ac = "AC",
+        /// High frequencies are left out.
+        HighFrequencyReject = "HFRej",
+        /// Low frequencies are left out.
+        LowFrequencyReject = "LFRej",
+        /// Crossings must be twice as large.
+        NoiseReject = "NOISErej",
+    }
 }
 
-/// Acquisition mode.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum AcquireMode {
-    /// The first sample of each interval.
-    Sample,
-    /// Lowest and highest sample of each two intervals.
-    PeakDetect,
-    /// The mean of several records.
-    Average,
+words! {
+    /// Acquisition mode.
+    AcquireMode {
+        /// The first sample of each interval.
+        Sample = "SAMple",
+        /// Lowest and highest sample of each two intervals.
+        PeakDetect = "PEAKdetect",
+        /// The mean of several records.
+        Average = "AVErage",
+    }
 }
 
 /// How records are taken.

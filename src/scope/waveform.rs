@@ -3,6 +3,8 @@
 
 use std::fmt;
 
+use super::word::{Word as _, words};
+
 /// Where a waveform comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Source {
@@ -41,24 +43,21 @@ impl Source {
     }
 }
 
-/// How a channel's input reaches its amplifier.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Coupling {
-    /// Everything passes.
-    Dc,
-    /// A high-pass filter takes the mean away.
-    Ac,
-    /// The input is disconnected; the trace is the ground line.
-    Ground,
+words! {
+    /// How a channel's input reaches its amplifier.
+    Coupling {
+        /// Everything passes.
+        Dc = "DC",
+        /// A high-pass filter takes the mean away.
+        Ac = "AC",
+        /// The input is disconnected; the trace is the ground line.
+        Ground = "GND",
+    }
 }
 
 impl fmt::Display for Coupling {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Dc => "DC",
-            Self::Ac => "AC",
-            Self::Ground => "GND",
-        })
+        f.write_str(self.word())
     }
 }
 

@@ -3,7 +3,7 @@
 use super::message::Argument;
 use super::value;
 use crate::instrument::Event;
-use crate::instrument::word::{Word, words};
+use crate::scope::word::{Word, words};
 
 words! {
     /// A flag as typed.

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::command::GROUPS;
-use super::row::{CommandRow, Support};
+use super::table::{CommandRow, Support};
 
 /// Where the manual and what others saw differ or say nothing, and no instrument was at hand to
 /// decide.
@@ -54,7 +54,7 @@ fn write_row(row: &CommandRow, text: &mut String) {
     let (directions, here, about) = match row.support {
         Support::Alias(of) => ("", "alias", format!("as `{of}`")),
         standing => {
-            let directions = match (row.setting.set.is_some(), row.setting.answers()) {
+            let directions = match (row.setting.is_command(), row.setting.is_query()) {
                 (true, true) => "set, query",
                 (true, false) => "set",
                 _ => "query",

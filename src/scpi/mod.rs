@@ -1,8 +1,7 @@
 //! The remote interface: bytes in, replies out, nothing else.
 //!
-//! `input` cuts the stream into messages, `message` cuts a message into units, `tree` finds each
-//! unit's row in the one table of commands (`command`, one file a group), and `reply` writes what
-//! the row answers. A [`Session`] is one connection: it knows the path, the headers and the
+//! `input` cuts the stream into messages, `message` cuts a message into units, `table` finds each
+//! unit's row in the one table of commands (`command`), and `reply` writes what the row answers. A [`Session`] is one connection: it knows the path, the headers and the
 //! terminator, and keeps what waits for the end of an acquisition. The instrument is passed in with
 //! every call, so that several sessions can share one. `list` makes the document of all commands
 //! from the same table.
@@ -16,12 +15,9 @@ pub mod command;
 pub mod input;
 pub mod list;
 pub mod message;
-mod placeholder;
 pub mod reply;
-pub mod row;
 pub mod session;
-pub mod setting;
-pub mod tree;
+pub mod table;
 pub mod value;
 
 pub use reply::{Preferences, Terminator};

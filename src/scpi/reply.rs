@@ -1,7 +1,7 @@
 //! Writes answers as one reply, with headers or without.
 
 use super::value::{ReplyValue, abbreviated};
-use crate::instrument::word::words;
+use crate::scope::word::words;
 
 /// The reply of one row.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,8 +7,7 @@ use super::input::{InputBuffer, InputPiece, MAXIMUM_BYTES};
 use super::message::{MessageUnit, units};
 use super::reply;
 use super::reply::Preferences;
-use super::setting::{Context, Stop};
-use super::tree;
+use super::table::{self, Context, Deferred};
 use crate::instrument::{Event, Instrument};
 
 /// A reply to be sent.
@@ -114,6 +113,14 @@ impl Session {
         self.reply(out)
     }
 
+    /// Device trigger (IEEE 488.2, group execute trigger): executes what `*TRG` stands for, beside a
+    /// message that may have begun.
+    pub fn trigger(&mut self, instrument: &mut Instrument) -> Reply {
+        let mut out = Vec::new();
+        self.take(instrument, InputPiece::Message(b"*TRG".to_vec()), &mut out);
+        self.reply(out)
+    }
+
     /// Goes on with what waits, if the acquisition is done. To be called whenever time has passed.
     pub fn resume(&mut self, instrument: &mut Instrument) -> Reply {
         let mut out = Vec::new();
@@ -215,11 +222,11 @@ impl Session {
             let in_trigger = progress.trigger.0 > 0;
             let done = match &unit {
                 Ok(unit) => self.execute_unit(instrument, unit, &mut progress),
-                Err(event) => Err(Stop::Event(*event)),
+                Err(event) => Err(Deferred::Event(*event)),
             };
             match done {
                 Ok(()) => {}
-                Err(Stop::Event(event)) => {
+                Err(Deferred::Event(event)) => {
                     instrument.status.report(event);
                     // The query ends without the reply that its client waits for.
                     if event == Event::NotActive && unit.is_ok_and(|unit| unit.is_query) {
@@ -227,16 +234,16 @@ impl Session {
                     }
                 }
                 // `*TRG` among the commands that it stands for would never end.
-                Err(Stop::Execute(_)) if in_trigger => {
+                Err(Deferred::Execute(_)) if in_trigger => {
                     instrument.status.report(Event::SettingsConflict);
                 }
-                Err(Stop::Execute(commands)) => {
+                Err(Deferred::Execute(commands)) => {
                     let commands = units(commands.as_bytes());
                     progress.trigger = (commands.len(), std::mem::take(&mut progress.path));
                     commands.into_iter().rev().for_each(|unit| progress.units.push_front(unit));
                     continue;
                 }
-                Err(Stop::UntilIdle) => {
+                Err(Deferred::UntilIdle) => {
                     progress.units.push_front(unit);
                     self.waiting = Some(progress);
                     return;
@@ -269,28 +276,27 @@ impl Session {
         instrument: &mut Instrument,
         unit: &MessageUnit,
         progress: &mut Progress,
-    ) -> Result<(), Stop> {
+    ) -> Result<(), Deferred> {
         let is_common = unit.header.first().is_some_and(|word| word.starts_with('*'));
         let mut words =
             if unit.from_root || is_common { Vec::new() } else { progress.path.clone() };
         words.extend(unit.header.iter().cloned());
         let channels = instrument.model.channels;
-        let found = tree::find(&words, channels).filter(|_| !(is_common && unit.from_root));
+        let found = table::find(&words, channels).filter(|_| !(is_common && unit.from_root));
         let found = found.ok_or(Event::UndefinedHeader)?;
         if !is_common {
             words.pop();
             progress.path = words;
         }
-        let mut at = Context {
+        let mut context = Context {
             instrument,
             preferences: &mut self.preferences,
-            place: found.place,
+            suffix: found.suffix,
             message_available: !progress.replies.is_empty(),
             raw: &mut progress.raw,
         };
         if !unit.is_query {
-            found.row.setting.set.ok_or(Event::UndefinedHeader)?(&mut at, &unit.arguments)?;
-            at.instrument.keep_consistent();
+            found.row.set(&mut context, &unit.arguments)?;
             if progress.raw.len() > MAXIMUM_REPLY {
                 progress.raw.clear();
                 progress.units.clear();
@@ -302,7 +308,7 @@ impl Session {
         if progress.indefinite {
             return Err(Event::QueryAfterIndefinite.into());
         }
-        let answers = tree::query(found, &mut at)?;
+        let answers = table::query(found, &mut context)?;
         progress.by_instrument |= !found.row.header.starts_with("BENCh");
         let is_setup = matches!(found.row.header, "SET" | "*LRN");
         let header = self.preferences.header || is_setup;

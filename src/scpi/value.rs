@@ -1,8 +1,8 @@
 //! Values of replies, before headers are added.
 
-use crate::instrument::limits::rounded;
-use crate::instrument::word::short_form;
+use crate::scope::limits::rounded;
 use crate::scope::set_up::nr3;
+use crate::scope::word::short_form;
 
 /// One answer.
 #[derive(Debug, Clone, PartialEq)]

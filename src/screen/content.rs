@@ -1,11 +1,11 @@
 //! Contents of the screen, as data.
 
+use crate::instrument::Instrument;
 use crate::instrument::acquisition::State;
-use crate::instrument::panel::{CursorFunction, DisplayFormat, DisplayStyle, TriggerType, View};
-use crate::instrument::word::Word as _;
-use crate::instrument::{Instrument, Panel};
 use crate::recording::Capture;
-use crate::scope::{AcquireMode, Slope, Source, TriggerSource, Waveform};
+use crate::scope::panel::{CursorFunction, DisplayFormat, DisplayStyle, TriggerType, View};
+use crate::scope::word::Word as _;
+use crate::scope::{AcquireMode, Panel, Slope, Source, TriggerSource, Waveform};
 
 /// Everything that a picture of the screen shows.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -99,7 +99,7 @@ impl Screen {
         let across = |time: f64| (time - start) / (end - start);
         let math = &panel.math;
         let trigger = &panel.trigger;
-        let other = (trigger.kind != TriggerType::Edge).then_some(trigger.kind);
+        let other = (panel.trigger_type != TriggerType::Edge).then_some(panel.trigger_type);
         Self {
             status: status(instrument),
             traces: SOURCES
@@ -125,7 +125,7 @@ impl Screen {
                 up: math.fft_vertical_scale,
                 position: math.fft_vertical_position,
             },
-            ink_saver: panel.hard_copy.ink_saver,
+            ink_saver: instrument.service.hard_copy.ink_saver,
         }
     }
 

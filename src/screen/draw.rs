@@ -8,7 +8,7 @@ use embedded_graphics::primitives::{Primitive as _, PrimitiveStyle, Rectangle};
 use super::picture::{Ink, Picture};
 use super::surroundings::{above, below, menu};
 use super::{Bar, Screen, Zoom};
-use crate::scope::waveform::LOWEST_CODE;
+use crate::instrument::scan::blank;
 use crate::scope::{Source, Waveform};
 /// The picture of a screen.
 pub fn draw(screen: &Screen) -> Picture {
@@ -88,16 +88,14 @@ fn trace(picture: &mut Picture, waveform: &Waveform, screen: &Screen) {
         CENTRE - dots(zoom.map_or(level, |zoom| level * zoom.up + zoom.position * LEVELS))
     };
     let bounded = |y: i32| y.clamp(CORNER.1, CORNER.1 + SPAN.1);
-    // A record of the scan has a blank in it; elsewhere the lowest level is a signal that left the
-    // screen.
-    let scan = waveform.trigger_point == 0.0 && waveform.codes.contains(&LOWEST_CODE);
+    let blank = blank(waveform);
     let mut before: Option<i32> = None;
     for column in 0..SPAN.0 {
         let range = first + points * f64::from(column) / f64::from(SPAN.0);
         let end = first + points * f64::from(column + 1) / f64::from(SPAN.0);
         let codes = between(&waveform.codes, range, end);
-        let levels = codes.iter().filter(|code| !scan || **code != LOWEST_CODE);
-        let heights: Vec<i32> = levels.map(|code| height(*code)).collect();
+        let levels = codes.iter().zip(between(&blank, range, end)).filter(|(_, blank)| !**blank);
+        let heights: Vec<i32> = levels.map(|(code, _)| height(*code)).collect();
         let x = CORNER.0 + 1 + column;
         if screen.dots {
             let inside = heights.iter().filter(|y| bounded(**y) == **y);
@@ -131,10 +129,10 @@ fn shown(points: usize, zoom: Option<Zoom>) -> (f64, f64) {
 }
 
 /// The codes of a column, at least one.
-fn between(codes: &[i16], start: f64, end: f64) -> &[i16] {
+fn between<T>(points: &[T], start: f64, end: f64) -> &[T] {
     let start = start.floor() as usize;
-    let end = (end.floor() as usize).max(start + 1).min(codes.len());
-    codes.get(start..end).unwrap_or_default()
+    let end = (end.floor() as usize).max(start + 1).min(points.len());
+    points.get(start..end).unwrap_or_default()
 }
 
 /// An arrow at the left edge where zero volts stand, with the channel's number.

@@ -3,7 +3,7 @@
 use super::readout::readout;
 use crate::instrument::Instrument;
 use crate::instrument::measure::{measure, unit};
-use crate::instrument::panel::{CursorFunction, MeasurementType};
+use crate::scope::panel::{CursorFunction, MeasurementType};
 use crate::scope::{Coupling, Source};
 
 /// Entries of a menu.
@@ -32,9 +32,8 @@ fn entry(name: &str, value: impl Into<String>) -> [String; 2] {
 }
 
 fn measurements(instrument: &Instrument) -> Vec<[String; 2]> {
-    let mut panel = instrument.panel.clone();
     let one = |number| {
-        let slot = *panel.measurement_mut(number);
+        let slot = instrument.panel.measurement(number);
         let name = match slot.kind {
             MeasurementType::None => return entry("None", ""),
             MeasurementType::Frequency => "Freq",

@@ -4,7 +4,7 @@
 //! client that does not read is not read from either, and nothing piles up.
 
 use std::io;
-use std::net::SocketAddr;
+use std::net::{IpAddr, SocketAddr};
 use std::time::Duration;
 
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
@@ -75,6 +75,8 @@ pub enum ConnectionEvent {
     },
     /// Another connection is waiting where there is no room.
     Crowded {
+        /// The address that has as many as one may have; none if the server is full.
+        peer: Option<IpAddr>,
         /// Takes whether an idle connection has given way.
         gave_way: oneshot::Sender<bool>,
     },
@@ -108,7 +110,8 @@ pub struct Connection {
 
 impl Connection {
     /// Copies bytes until either side closes the connection.
-    pub async fn run(self, news: mpsc::Sender<ConnectionEvent>) {
+    /// Returns the client's address.
+    pub async fn run(self, news: mpsc::Sender<ConnectionEvent>) -> IpAddr {
         let Self { number, protocol, peer, stream } = self;
         let (answers, inbox) = mpsc::channel(ANSWERS);
         if news.send(ConnectionEvent::Opened { number, protocol, peer, answers }).await.is_ok() {
@@ -116,6 +119,7 @@ impl Connection {
             let _ = exchange(stream, (number, protocol), &news, inbox).await;
             let _ = news.send(ConnectionEvent::Closed { number }).await;
         }
+        peer.ip()
     }
 }
 
@@ -214,7 +218,7 @@ fn acknowledge(stream: &TcpStream) -> io::Result<()> {
     stream.set_quickack(true)
 }
 
-/// Elsewhere the system's own time it is.
+/// No such option on other systems.
 #[cfg(not(any(target_os = "linux", target_os = "android")))]
 fn acknowledge(_: &TcpStream) -> io::Result<()> {
     Ok(())

@@ -31,6 +31,14 @@ pub enum ServeError {
         /// The cause.
         reason: WriteError,
     },
+    /// The disk stalled, and the recording has no end.
+    #[error(
+        "the recording is not finished: the disk took nothing for {seconds} s; what it has can be read"
+    )]
+    RecordStalled {
+        /// How long it was waited for (s).
+        seconds: u64,
+    },
 }
 
 /// An error with all that lies behind it.

@@ -3,6 +3,8 @@
 
 use std::collections::{BTreeMap, VecDeque};
 use std::future::pending;
+use std::io;
+use std::net::{IpAddr, SocketAddr};
 use std::time::Duration;
 
 use tokio::sync::mpsc;
@@ -11,7 +13,6 @@ use tokio::time::{Instant, Interval, MissedTickBehavior, interval_at};
 use super::bench_state::BenchState;
 use super::bench_thread::{BenchHandle, GroundTruth, StrikeSignals};
 use super::connection::{ConnectionEvent, OutgoingBytes, Protocol};
-use super::interrupt_channels::InterruptChannels;
 use super::log::Log;
 use super::recorder::{Recorder, TriggeredShot};
 use super::sessions::{SessionId, Sessions};
@@ -62,9 +63,6 @@ pub struct InstrumentTask {
     connections: BTreeMap<u64, ConnectionEntry>,
     hislip: hislip::Server,
     vxi11: vxi11::Vxi11Server,
-    interrupts: InterruptChannels,
-    /// What becomes of interrupt channels.
-    interrupt_news: mpsc::Receiver<(u64, bool)>,
     /// Input of raw connections that is to be executed, a message at a turn.
     pieces: VecDeque<RawPiece>,
     bench: BenchHandle,
@@ -74,19 +72,19 @@ pub struct InstrumentTask {
     switched_on: Instant,
     /// The shot that the scope triggered on last.
     caught: Option<TriggeredShot>,
-    /// Why the recording ended before the server.
-    lost_recording: Option<ServeError>,
-    warn: fn(&str),
 }
 
 impl InstrumentTask {
     /// Switches the instrument on, set as in the scene; VXI-11 is spoken on `port`.
+    ///
+    /// # Errors
+    /// The system's error if the log's thread cannot be started.
     pub fn new(
         scene: &Scene,
         (options, port): (ServerOptions, u16),
         bench: BenchHandle,
         recorder: Option<Recorder>,
-    ) -> Self {
+    ) -> io::Result<Self> {
         let mut instrument = Instrument::of(&scene.scope, scene.seed);
         let bench_state = BenchState::new(scene, &mut instrument);
         for fault in options.faults {
@@ -94,31 +92,27 @@ impl InstrumentTask {
         }
         let warn = options.warn.unwrap_or(|_| ());
         let behaviour = (options.header, scene.seed);
-        let (interrupts, interrupt_news) = InterruptChannels::new();
-        Self {
-            sessions: Sessions::new(instrument, behaviour, recorder, Log::new(options.log, warn)),
+        instrument.bench.access = options.access;
+        let log = Log::start(options.log, options.size_limit, warn)?;
+        Ok(Self {
+            sessions: Sessions::new(instrument, behaviour, recorder, log),
             connections: BTreeMap::new(),
             hislip: hislip::Server::default(),
             vxi11: vxi11::Vxi11Server::new(port),
-            interrupts,
-            interrupt_news,
             pieces: VecDeque::new(),
             bench,
             bench_state,
             impact_every: options.impact_every,
             orders: options.strikes,
             caught: None,
-            lost_recording: None,
-            warn,
             switched_on: Instant::now(),
-        }
+        })
     }
 
     /// Runs until no connection can be opened any more.
     ///
     /// # Errors
-    /// [`ServeError`] where the bench fails. A recording that fails ends, and is told by
-    /// [`Self::finish`].
+    /// [`ServeError`] where the bench fails. [`Self::finish`] returns the error of a recording.
     pub async fn run(
         &mut self,
         mut news: mpsc::Receiver<ConnectionEvent>,
@@ -138,9 +132,6 @@ impl InstrumentTask {
                     self.advance_time();
                     self.deliver_signals(struck)?;
                 }
-                Some((number, is_open)) = self.interrupt_news.recv() => {
-                    self.vxi11.interrupt_channel(number, is_open);
-                }
                 () = tick(strikes.as_mut()) => {
                     self.strike();
                 }
@@ -155,24 +146,21 @@ impl InstrumentTask {
                 _ = ticks.tick() => {}
             }
             self.advance_time();
+            self.write_finished_records().await;
             self.resume();
             self.start_queued_strike();
-            if let Err(reason) = self.write_finished_records() {
-                (self.warn)(&format!("{reason}; the server goes on without it"));
-                self.lost_recording = Some(reason);
-                self.sessions.recorder = None;
-            }
         }
     }
 
-    /// Ends the recording, if there is one.
+    /// Ends the log and the recording, if there are any.
     ///
     /// # Errors
-    /// [`ServeError::Record`] where it could not be written.
-    pub fn finish(self) -> Result<(), ServeError> {
-        match self.lost_recording {
-            Some(reason) => Err(reason),
-            None => self.sessions.recorder.map_or(Ok(()), Recorder::finish),
+    /// [`ServeError`] if the recording could not be written or finished.
+    pub async fn finish(self) -> Result<(), ServeError> {
+        self.sessions.log.finish().await;
+        match self.sessions.recorder {
+            Some(recorder) => recorder.finish().await,
+            None => Ok(()),
         }
     }
 
@@ -200,13 +188,16 @@ impl InstrumentTask {
                 match protocol {
                     Protocol::Raw => self.sessions.open_session(SessionId::Raw(number), number),
                     Protocol::Hislip => self.hislip.opened(number),
-                    Protocol::Vxi11 => self.vxi11.opened(number, peer.ip()),
+                    Protocol::Vxi11 => self.vxi11.opened(number),
                 }
             }
             ConnectionEvent::Bytes { number, bytes } => {
                 let Some(connection) = self.connections.get_mut(&number) else { return };
                 connection.asked = true;
-                connection.heard = Instant::now();
+                // Ends of lines alone keep no connection.
+                if connection.protocol != Protocol::Raw || !bytes.trim_ascii().is_empty() {
+                    connection.heard = Instant::now();
+                }
                 match connection.protocol {
                     Protocol::Raw => {
                         connection.asked = false;
@@ -223,8 +214,8 @@ impl InstrumentTask {
                     _ => self.drop_connection(number),
                 }
             }
-            ConnectionEvent::Crowded { gave_way } => {
-                let idle = self.longest_idle();
+            ConnectionEvent::Crowded { peer, gave_way } => {
+                let idle = self.longest_idle(peer);
                 if let Some(number) = idle {
                     self.drop_connection(number);
                 }
@@ -317,16 +308,21 @@ impl InstrumentTask {
         }
     }
 
-    /// The connection that has been idle for longest, if any is. One whose reply waits for an
+    /// The connection, of this peer if one is given, that has been idle for longest, if any is. One whose reply waits for an
     /// acquisition is not; the two of a HiSLIP session are idle together.
-    fn longest_idle(&self) -> Option<u64> {
+    fn longest_idle(&self, peer: Option<IpAddr>) -> Option<u64> {
         let heard = |number: u64| {
             let own = self.connections.get(&number).map(|connection| connection.heard);
             let other = self.hislip.partner(number);
             own.max(other.and_then(|n| self.connections.get(&n)).map(|other| other.heard))
         };
+        let is_of_peer = |number: u64| {
+            let address = self.sessions.peers.get(&number).map(SocketAddr::ip);
+            peer.is_none() || address == peer
+        };
         let is_free = |number: u64, connection: &ConnectionEntry| {
-            !connection.asked
+            is_of_peer(number)
+                && !connection.asked
                 && !self.hislip.is_waiting(number, &self.sessions)
                 && !self.vxi11.is_waiting(number, &self.sessions)
                 && !self.sessions.is_waiting(SessionId::Raw(number))
@@ -367,9 +363,6 @@ impl InstrumentTask {
             }
         }
         self.vxi11.settle(&mut self.sessions);
-        for interrupt in self.vxi11.take_interrupts() {
-            self.interrupts.act(interrupt);
-        }
         let outputs = self.hislip.take_output().into_iter().chain(self.vxi11.take_output());
         for output in outputs.collect::<Vec<_>>() {
             self.send_bytes(output.connection, output.bytes, false);
@@ -437,16 +430,22 @@ impl InstrumentTask {
         self.sessions.drops.remove(&number);
     }
 
-    fn write_finished_records(&mut self) -> Result<(), ServeError> {
+    /// Records an acquisition that has ended, and waits until it is written, before any client is
+    /// told of it.
+    async fn write_finished_records(&mut self) {
         let finished = self.sessions.instrument.take_finished();
-        let Some(recorder) = &mut self.sessions.recorder else { return Ok(()) };
-        if let Some(finished) = finished {
-            let caught = self
-                .caught
-                .take_if(|caught| finished.trigger.is_some_and(|t| t.shot == caught.shot));
-            recorder.add_acquisition(finished, caught, &mut self.sessions.instrument);
+        self.sessions.log.keep_pace().await;
+        let Some(recorder) = &mut self.sessions.recorder else { return };
+        match finished {
+            Some(finished) => {
+                let caught = self
+                    .caught
+                    .take_if(|caught| finished.trigger.is_some_and(|t| t.shot == caught.shot));
+                recorder.add_acquisition(finished, caught, &mut self.sessions.instrument);
+                recorder.drain().await;
+            }
+            None => recorder.keep_pace().await,
         }
-        recorder.flush_if_due()
     }
 }
 

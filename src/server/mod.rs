@@ -11,19 +11,20 @@ mod bench_thread;
 mod connection;
 mod error;
 mod instrument_task;
-mod interrupt_channels;
 mod log;
 mod options;
 mod port_mapper;
 mod recorder;
 mod sessions;
+mod writer;
 
 pub use error::ServeError;
 pub use options::ServerOptions;
 
+use std::collections::BTreeMap;
 use std::future::{Future, poll_fn};
 use std::io;
-use std::net::{TcpListener, UdpSocket};
+use std::net::{IpAddr, TcpListener, UdpSocket};
 use std::task::Poll;
 use std::time::Duration;
 
@@ -39,6 +40,8 @@ use recorder::Recorder;
 /// Connections at a time, of all protocols. A further one takes the place of the one that has been
 /// idle for longest, or is closed at once if none is idle. A HiSLIP session has two.
 pub const MOST_CONNECTIONS: usize = 128;
+/// Connections of one address at a time; beyond it only an idle one of the same address gives way.
+pub const MAX_CONNECTIONS_OF_PEER: usize = 96;
 /// Capacity of the queue of input pieces from all connections.
 const PIECES: usize = 64;
 /// Time limit for writing the answers that are pending at shutdown.
@@ -93,18 +96,17 @@ pub fn serve(
         }
         let bench = bench_thread::BenchHandle::start().map_err(start)?;
         let (pieces, inbox) = mpsc::channel(PIECES);
-        let mut task = InstrumentTask::new(
-            scene,
-            (options, port),
-            bench,
-            recording.map(|writer| Recorder::new(writer, scene)),
-        );
+        let (warn, limit) = (options.warn.unwrap_or(|_| ()), options.size_limit);
+        let recorder = recording.map(|writer| Recorder::start(writer, scene, limit, warn));
+        let recorder = recorder.transpose().map_err(start)?;
+        let mut task =
+            InstrumentTask::new(scene, (options, port), bench, recorder).map_err(start)?;
         let done = tokio::select! {
             () = shutdown => Ok(()),
             done = task.run(inbox) => done,
             () = accept_loop(&listeners, pieces, &mut connections) => Ok(()),
         };
-        let finished = task.finish();
+        let finished = task.finish().await;
         // The instrument task has ended, so every connection ends as soon as its answers are
         // written.
         let _ = tokio::time::timeout(SHUTDOWN_GRACE, async {
@@ -124,22 +126,40 @@ fn listener(socket: TcpListener) -> io::Result<tokio::net::TcpListener> {
 async fn accept_loop(
     listeners: &[(Protocol, tokio::net::TcpListener)],
     pieces: mpsc::Sender<connection::ConnectionEvent>,
-    connections: &mut JoinSet<()>,
+    connections: &mut JoinSet<IpAddr>,
 ) {
     let mut number = 0_u64;
+    let mut turn = 0_usize;
+    let mut peers = BTreeMap::<IpAddr, usize>::new();
     loop {
         let accept = poll_fn(|context| {
-            let mut taken = listeners.iter().map(|(protocol, listener)| {
+            // Each has its turn as the first, so that none is starved by a flood or an error of
+            // another.
+            turn = turn.wrapping_add(1);
+            let first = turn % listeners.len().max(1);
+            let (front, back) = listeners.split_at(first);
+            let mut taken = back.iter().chain(front).map(|(protocol, listener)| {
                 listener.poll_accept(context).map(|taken| (*protocol, taken))
             });
             taken.find(Poll::is_ready).unwrap_or(Poll::Pending)
         });
         tokio::select! {
-            Some(_) = connections.join_next(), if !connections.is_empty() => {}
+            Some(ended) = connections.join_next(), if !connections.is_empty() => {
+                if let Ok(peer) = ended
+                    && let Some(count) = peers.get_mut(&peer)
+                {
+                    *count -= 1;
+                    if *count == 0 {
+                        peers.remove(&peer);
+                    }
+                }
+            }
             (protocol, taken) = accept => match taken {
                 // A stream that is dropped is closed.
                 Ok((stream, peer)) => {
-                    if has_room(connections.len(), &pieces).await {
+                    let own = peers.get(&peer.ip()).copied().unwrap_or(0);
+                    if has_room((connections.len(), own), peer.ip(), &pieces).await {
+                        peers.insert(peer.ip(), own + 1);
                         number += 1;
                         let connection = Connection { number, protocol, peer, stream };
                         connections.spawn(connection.run(pieces.clone()));
@@ -151,13 +171,18 @@ async fn accept_loop(
     }
 }
 
-/// Whether there is room for one more connection beside `open` others, if need be because an idle
-/// one gives way.
-async fn has_room(open: usize, pieces: &mpsc::Sender<connection::ConnectionEvent>) -> bool {
-    if open < MOST_CONNECTIONS {
+/// Whether there is room for one more connection of `peer` beside `open` others, `own` of them its
+/// own; if need be because an idle one gives way.
+async fn has_room(
+    (open, own): (usize, usize),
+    peer: IpAddr,
+    pieces: &mpsc::Sender<connection::ConnectionEvent>,
+) -> bool {
+    let peer = (own >= MAX_CONNECTIONS_OF_PEER).then_some(peer);
+    if open < MOST_CONNECTIONS && peer.is_none() {
         return true;
     }
     let (gave_way, answer) = oneshot::channel();
-    pieces.send(connection::ConnectionEvent::Crowded { gave_way }).await.is_ok()
+    pieces.send(connection::ConnectionEvent::Crowded { peer, gave_way }).await.is_ok()
         && answer.await == Ok(true)
 }

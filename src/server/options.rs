@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use tokio::sync::mpsc;
 
-use crate::instrument::Fault;
+use crate::instrument::{BenchAccess, Fault};
 
 /// How the server behaves.
 #[derive(Default)]
@@ -20,6 +20,10 @@ pub struct ServerOptions {
     pub strikes: Option<mpsc::Receiver<()>>,
     /// Faults that act from the start.
     pub faults: Vec<Fault>,
+    /// What clients may change of the bench.
+    pub access: BenchAccess,
+    /// Size at which log and recording end, each by itself (bytes).
+    pub size_limit: Option<u64>,
     /// Takes a line for each connection, command, reply, error and impact.
     pub log: Option<Box<dyn Write + Send>>,
 }

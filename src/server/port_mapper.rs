@@ -1,12 +1,12 @@
 //! The port mapper on its sockets. Each call is answered by itself; a connection ends after a
 //! while, and so does one whose bytes are no call.
 
-use std::sync::Arc;
+use std::collections::VecDeque;
 use std::time::Duration;
 
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::net::{TcpListener, TcpStream, UdpSocket};
-use tokio::sync::Semaphore;
+use tokio::task::AbortHandle;
 
 use super::connection::ACCEPT_RETRY_DELAY;
 use crate::vxi11::port_mapper::answer;
@@ -16,8 +16,8 @@ use crate::vxi11::rpc::{RecordDecoder, record};
 const DATAGRAM: usize = 2048;
 /// Time limit for a connection.
 const CONNECTION_TIME: Duration = Duration::from_secs(10);
-/// Connections at a time; others wait.
-const MOST_CONNECTIONS: usize = 16;
+/// Connections at a time; a further one takes the place of the oldest.
+const MAX_CONNECTIONS: usize = 16;
 
 /// Answers datagrams and connections until it is cancelled; `port` is where the VXI-11 server
 /// listens.
@@ -40,17 +40,23 @@ async fn answer_datagrams(socket: UdpSocket, port: u16) {
 }
 
 async fn answer_connections(listener: TcpListener, port: u16) {
-    let room = Arc::new(Semaphore::new(MOST_CONNECTIONS));
+    let mut open = VecDeque::<AbortHandle>::new();
     loop {
-        let Ok(place) = Arc::clone(&room).acquire_owned().await else { return };
         let Ok((stream, _)) = listener.accept().await else {
             tokio::time::sleep(ACCEPT_RETRY_DELAY).await;
             continue;
         };
-        tokio::spawn(async move {
+        open.retain(|connection| !connection.is_finished());
+        if open.len() >= MAX_CONNECTIONS
+            && let Some(oldest) = open.pop_front()
+        {
+            oldest.abort();
+        }
+        let connection = tokio::spawn(async move {
+            // A client that is cut off asks again.
             let _ = tokio::time::timeout(CONNECTION_TIME, answer_connection(stream, port)).await;
-            drop(place);
         });
+        open.push_back(connection.abort_handle());
     }
 }
 

@@ -1,12 +1,15 @@
 //! Writes the recording of a served session: every command and reply, and the records of triggered
 //! acquisitions, with their times.
 
-use std::time::{Duration, Instant, SystemTime};
-
+use std::io;
 use std::sync::Arc;
+use std::time::{Duration, SystemTime};
+
+use tokio::time::Instant;
 
 use super::ServeError;
 use super::bench_thread::GroundTruth;
+use super::writer::{BackgroundWriter, Sink};
 use crate::experiment::facts::{scene_attachment, shot_facts};
 use crate::instrument::{Finished, Instrument};
 use crate::recording::mcap::{RecordingWriter, ShotNotes, WriteError};
@@ -15,8 +18,10 @@ use crate::scene::Scene;
 use crate::scope::{Source, Waveform};
 use crate::scpi::{Preferences, Reply, Session, TranscriptLine};
 
-/// Messages are flushed at the latest after this time.
-const FLUSH_INTERVAL: Duration = Duration::from_secs(1);
+/// Time that a recording whose disk takes nothing has at the end of the server.
+const FINISH_TIMEOUT: Duration = Duration::from_secs(5);
+/// Size of a line in the queue beside its bytes and its client's name (bytes).
+const LINE_OVERHEAD: usize = 64;
 
 /// A shot that the scope triggered on.
 pub struct TriggeredShot {
@@ -30,35 +35,33 @@ pub struct TriggeredShot {
     pub is_served: bool,
 }
 
-/// An open recording of a session.
+/// The instrument's end of a session's recording; [`RecordingSink`] is the other one.
 pub struct Recorder {
-    writer: RecordingWriter,
+    writer: BackgroundWriter<RecordingSink>,
     opened: Instant,
     /// Unix time at `opened` (ns).
     began: u64,
-    /// When lines were last handed to the operating system, if any came since.
-    unflushed: Option<Instant>,
     shots: u32,
-    /// Scenes that travel with the recording.
-    attached: Vec<String>,
-    failed: Option<WriteError>,
 }
 
 impl Recorder {
-    /// Takes over an open writer; `served` is the scene that the server was started with.
-    pub fn new(writer: RecordingWriter, served: &Scene) -> Self {
+    /// Takes over an open writer, which writes up to `limit` (bytes); `served` is the scene that the
+    /// server was started with. `warn` is called if the recording ends before the server.
+    ///
+    /// # Errors
+    /// The system's error if the writer's thread cannot be started.
+    pub fn start(
+        writer: RecordingWriter,
+        served: &Scene,
+        limit: Option<u64>,
+        warn: fn(&str),
+    ) -> io::Result<Self> {
         let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
         let began = since_1970.map_or(0, nanoseconds);
-        let opened = Instant::now();
-        Self {
-            writer,
-            opened,
-            began,
-            unflushed: None,
-            shots: 0,
-            attached: vec![served.name.clone()],
-            failed: None,
-        }
+        let attached = vec![served.name.clone()];
+        let sink = RecordingSink { writer, attached, last: 0, limit };
+        let writer = BackgroundWriter::start("recording", sink, warn)?;
+        Ok(Self { writer, opened: Instant::now(), began, shots: 0 })
     }
 
     /// Records the messages that a connection received and sent.
@@ -69,10 +72,9 @@ impl Recorder {
                 TranscriptLine::Command(bytes) => (Direction::Command, bytes),
                 TranscriptLine::Reply(bytes) => (Direction::Reply, bytes),
             };
+            let size = bytes.len() + peer.len() + LINE_OVERHEAD;
             let line = ScpiLine { timestamp_ns, peer: peer.to_owned(), direction, bytes };
-            let written = self.writer.add_line(&line);
-            self.keep_first_error(written);
-            self.unflushed.get_or_insert_with(Instant::now);
+            self.writer.push(RecordingEntry::Line(line), size);
         }
     }
 
@@ -93,14 +95,14 @@ impl Recorder {
         let capture =
             |waveform| Capture { waveform, instrument: Some(taken_by.clone()), notes: Vec::new() };
         let cause = match (&caught, finished.trigger) {
-            (Some(caught), _) => {
-                self.attach_other_scene(caught);
-                let TriggeredShot { shot, scene, .. } = caught;
+            (Some(TriggeredShot { shot, scene, .. }), _) => {
                 format!("shot {}: impact {shot} on {}", self.shots, scene.name)
             }
             (None, Some(trigger)) => format!("shot {}: impact {}", self.shots, trigger.shot),
             (None, None) => format!("shot {}: not triggered by an impact", self.shots),
         };
+        let other = caught.as_ref().filter(|caught| !caught.is_served);
+        let other = other.map(|caught| (Arc::clone(&caught.scene), caught.shot));
         let truth = caught.map(|caught| caught.truth);
         // The scope also saves the displayed math and reference traces.
         let others = [Source::Math].into_iter().chain(('A'..='D').map(Source::Reference));
@@ -120,57 +122,110 @@ impl Recorder {
         };
         let set_up = set_up_of(instrument);
         let notes = ShotNotes { set_up, energy: None, log: vec![(false, cause)] };
-        let written = self.writer.add(&shot, &notes);
-        self.keep_first_error(written);
-        self.unflushed = None;
+        let captures = shot.captures.iter().map(|capture| 2 * capture.waveform.codes.len());
+        let truth = shot.truth.iter().map(|trace| 8 * trace.values.len());
+        let size = captures.chain(truth).sum::<usize>() + notes.set_up.len();
+        self.writer.push(RecordingEntry::Shot(Box::new((shot, notes, other))), size);
     }
 
-    /// Attaches the scene and its metadata if it is not the one that the server was started with.
-    fn attach_other_scene(&mut self, caught: &TriggeredShot) {
-        let TriggeredShot { shot, scene, is_served, .. } = caught;
-        if *is_served {
-            return;
-        }
-        if !self.attached.contains(&scene.name) {
-            self.attached.push(scene.name.clone());
-            let written = self.writer.attach(&scene_attachment(scene));
-            self.keep_first_error(written);
-        }
-        let written = self.writer.add_facts(&shot_facts(scene, self.shots, *shot));
-        self.keep_first_error(written);
+    /// Waits where the recording is far behind and the disk still works.
+    pub async fn keep_pace(&mut self) {
+        self.writer.keep_pace().await;
     }
 
-    /// Hands lines to the operating system when it is time for it.
-    ///
-    /// # Errors
-    /// [`ServeError::Record`] where something could not be written since the last call.
-    pub fn flush_if_due(&mut self) -> Result<(), ServeError> {
-        if self.unflushed.is_some_and(|since| since.elapsed() >= FLUSH_INTERVAL) {
-            let written = self.writer.flush();
-            self.keep_first_error(written);
-            self.unflushed = None;
-        }
-        self.failed.take().map_or(Ok(()), |reason| Err(ServeError::Record { reason }))
+    /// Waits until all is with the operating system, unless the disk has stalled: what a client was
+    /// told survives the server.
+    pub async fn drain(&mut self) {
+        self.writer.drain().await;
     }
 
     /// Ends the recording.
     ///
     /// # Errors
-    /// [`ServeError::Record`] where it could not be written.
-    pub fn finish(self) -> Result<(), ServeError> {
-        let written = self.writer.finish().map(|_| ());
-        // What failed first is the cause.
-        self.failed.map_or(written, Err).map_err(|reason| ServeError::Record { reason })
-    }
-
-    fn keep_first_error(&mut self, written: Result<(), WriteError>) {
-        if let Err(reason) = written {
-            self.failed.get_or_insert(reason);
+    /// [`ServeError::Record`] if it could not be written, [`ServeError::RecordStalled`] if the disk
+    /// takes nothing.
+    pub async fn finish(self) -> Result<(), ServeError> {
+        match self.writer.finish(FINISH_TIMEOUT).await {
+            Some(outcome) => outcome,
+            None => Err(ServeError::RecordStalled { seconds: FINISH_TIMEOUT.as_secs() }),
         }
     }
 
     fn wall_clock_time(&self) -> u64 {
         self.began.saturating_add(nanoseconds(self.opened.elapsed()))
+    }
+}
+
+/// What is recorded.
+enum RecordingEntry {
+    /// A command or reply.
+    Line(ScpiLine),
+    /// An acquisition; with the scene and the impact's number where it is not the served scene.
+    Shot(Box<(Shot, ShotNotes, Option<(Arc<Scene>, u32)>)>),
+}
+
+/// The recording's file.
+struct RecordingSink {
+    writer: RecordingWriter,
+    /// Scenes that travel with the recording.
+    attached: Vec<String>,
+    /// Unix time of the last entry (ns).
+    last: u64,
+    limit: Option<u64>,
+}
+
+impl RecordingSink {
+    /// Attaches a scene other than the served one, and what is known of a shot on it.
+    fn attach(&mut self, scene: &Scene, shot: u32, impact: u32) -> Result<(), WriteError> {
+        if !self.attached.contains(&scene.name) {
+            self.attached.push(scene.name.clone());
+            self.writer.attach(&scene_attachment(scene))?;
+        }
+        self.writer.add_facts(&shot_facts(scene, shot, impact))
+    }
+}
+
+impl Sink for RecordingSink {
+    type Entry = RecordingEntry;
+    type Error = ServeError;
+
+    fn write(&mut self, entry: RecordingEntry) -> Result<(), ServeError> {
+        let written = match entry {
+            RecordingEntry::Line(line) => {
+                self.last = line.timestamp_ns;
+                self.writer.add_line(&line)
+            }
+            RecordingEntry::Shot(shot) => {
+                let (shot, notes, other) = *shot;
+                self.last = shot.timestamp_ns;
+                let attached = other
+                    .map_or(Ok(()), |(scene, impact)| self.attach(&scene, shot.number, impact));
+                attached.and_then(|()| self.writer.add(&shot, &notes))
+            }
+        };
+        written.map_err(|reason| ServeError::Record { reason })
+    }
+
+    fn write_loss(&mut self, count: u64) -> Result<(), ServeError> {
+        let bytes = format!("{count} messages or shots lost: the disk was too slow").into_bytes();
+        let (peer, direction) = ("hertzscope".to_owned(), Direction::Reply);
+        let line = ScpiLine { timestamp_ns: self.last, peer, direction, bytes };
+        self.writer.add_line(&line).map_err(|reason| ServeError::Record { reason })
+    }
+
+    fn flush(&mut self) -> Result<(), ServeError> {
+        self.writer.flush().map_err(|reason| ServeError::Record { reason })
+    }
+
+    fn limit_reached(&self) -> Option<String> {
+        let limit = self.limit?;
+        let written = std::fs::metadata(self.writer.file()).ok()?.len();
+        (written >= limit).then(|| format!("the recording has reached its limit of {limit} bytes"))
+    }
+
+    fn finish(self) -> Result<(), ServeError> {
+        let finished = self.writer.finish().map(|_| ());
+        finished.map_err(|reason| ServeError::Record { reason })
     }
 }
 

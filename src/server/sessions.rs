@@ -252,9 +252,10 @@ impl Device for Sessions {
         self.with(SessionId::Lan(session), |session, _| session.clear());
     }
 
-    fn trigger(&mut self, session: u16) {
-        // The message of a device trigger is the command for it.
-        self.receive(SessionId::Lan(session), b"*TRG", true);
+    fn trigger(&mut self, session: u16) -> Vec<u8> {
+        let id = SessionId::Lan(session);
+        let reply = self.with(id, |session, instrument| bytes_of(session.trigger(instrument)));
+        self.disturb(id, reply)
     }
 
     fn lock_keys(&mut self, locked: bool) {

@@ -15,8 +15,8 @@ use crate::experiment::bench::{Bench, Grid};
 use crate::experiment::method_choice;
 use crate::experiment::parallel::{in_parallel, processors};
 use crate::experiment::pulse::{HALF_RISE_SHARE, PulseRecorder};
-use crate::integrate::IntegrateError;
 use crate::measurement::metadata::cell;
+use crate::motion::IntegrateError;
 use crate::quantity::parse_any;
 use crate::scene::adjust::{AdjustError, Adjustable, AdjustableNumber};
 use crate::scene::{Scene, SceneError, Site};
@@ -201,7 +201,7 @@ pub fn tune(
             jobs.push((number.path.as_str(), ratio * number.now(), number.times(scene, *ratio)?));
         }
     }
-    let work = |(): &mut (), (path, value, scene): &(&str, f64, Scene)| point(path, *value, scene);
+    let work = |(path, value, scene): &(&str, f64, Scene)| point(path, *value, scene);
     let done = |finished: usize| progress(finished as f64 / jobs.len() as f64);
     let results: Result<Vec<_>, _> =
         in_parallel(processors(), &jobs, &work, &done).into_iter().collect();

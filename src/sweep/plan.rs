@@ -7,7 +7,6 @@ use sha2::{Digest, Sha256};
 use super::SweepError;
 use super::row::ResultRow;
 pub use super::row::{Column, ColumnKind};
-use crate::experiment::accuracy::of_scene;
 use crate::experiment::ensemble::{Case, ProbeSite, Readout, places};
 use crate::experiment::outcome::{Reading, Speed, speeds};
 use crate::scene::adjust::Adjustable;
@@ -130,10 +129,7 @@ impl SweepPlan {
     /// Prepares run `index`, or says why it cannot run.
     pub(super) fn prepare(&self, run: &PlannedRun) -> Result<PreparedRun, String> {
         let scene = self.scene_of(run).map_err(|error| reason(&error))?;
-        let accuracy = match self.accuracy {
-            Some(accuracy) => accuracy,
-            None => of_scene(&scene).map_err(|error| error.to_string())?.value,
-        };
+        let accuracy = self.accuracy.unwrap_or(scene.accuracy);
         let wanted = |place: &ProbeSite| self.watched.iter().any(|other| other.name == place.name);
         let places: Vec<ProbeSite> = places(&scene).into_iter().filter(wanted).collect();
         Ok(PreparedRun { case: Case::of(&scene, accuracy, &places), accuracy, places })

@@ -8,9 +8,9 @@ use std::time::{Duration, Instant};
 use super::SweepError;
 use super::log::SweepLog;
 use super::plan::{PreparedRun, SweepPlan};
-use crate::chain::simd::InstructionSet;
 use crate::experiment::ensemble::{Case, Ensemble, Readout};
-use crate::integrate::IntegrateError;
+use crate::motion::IntegrateError;
+use crate::motion::kernel::InstructionSet;
 use crate::scene::grid::PlannedRun;
 
 /// Runs of a thread's first block: one group of lanes.

@@ -4,17 +4,16 @@
 //! (ONC RPC), and creates links to the instrument on it; a link is a session. [`rpc`] takes records
 //! and calls apart, [`procedure`] knows their arguments, [`Vxi11Server`] holds channels and links
 //! together and tells what is to be sent where, [`port_mapper`] answers clients that ask for the
-//! port. The abort channel is a second connection to the same port. For service requests the server
-//! connects back to the client (interrupt channel). Sources: VXI-11, TCP/IP Instrument Protocol
+//! port. The abort channel is a second connection to the same port. Sources: VXI-11, TCP/IP Instrument Protocol
 //! Specification, revision 1.0 (1995); RFC 5531 (RPC), RFC 4506 (XDR), RFC 1833 (port mapper).
 //!
-//! Limits: `device_docmd` is not supported, as the instrument has no interface to command; the
-//! interrupt channel is TCP, and goes to the client's own address alone, or anybody could have the
-//! server connect anywhere; a link belongs to the connection that created it, and ends with it.
+//! Limits: `device_docmd` is not supported, as the instrument has no interface to command; nor are
+//! interrupt channels, on which the server would connect to the client: service requests show in
+//! `device_readstb`. A link belongs to the connection that created it, and ends with it.
 
 pub mod port_mapper;
 pub mod procedure;
 pub mod rpc;
 mod server;
 
-pub use server::{Interrupt, MAX_LINKS, Vxi11Server};
+pub use server::{MAX_LINKS, MAX_LINKS_OF_CONNECTION, Vxi11Server};

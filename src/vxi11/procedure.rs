@@ -9,13 +9,9 @@ pub const CORE_PROGRAM: u32 = 0x0006_07AF;
 pub const ABORT_PROGRAM: u32 = 0x0006_07B0;
 /// Version of both.
 pub const VERSION: u32 = 1;
-/// Number of the procedure that tells a client of a service request.
-pub const DEVICE_INTR_SRQ: u32 = 30;
 
 /// Longest name of an instrument (bytes).
 const MAX_NAME: usize = 256;
-/// Longest handle of a service request (bytes).
-const MAX_HANDLE: usize = 40;
 
 /// Flags of a call.
 mod flag {
@@ -47,8 +43,6 @@ pub enum ErrorCode {
     InvalidLink = 4,
     /// Argument out of range.
     Parameter = 5,
-    /// There is no interrupt channel.
-    NoChannel = 6,
     /// Not supported.
     NotSupported = 8,
     /// Too many links.
@@ -59,17 +53,13 @@ pub enum ErrorCode {
     NoLock = 12,
     /// Nothing to read in time.
     Timeout = 15,
-    /// Not the client's own address.
-    InvalidAddress = 21,
     /// Aborted.
     Abort = 23,
-    /// There is an interrupt channel already.
-    ChannelExists = 29,
 }
 
 /// How long a call waits.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Patience {
+pub struct Timeouts {
     /// For another session's lock (s).
     pub lock: f64,
     /// For something to read (s).
@@ -95,6 +85,8 @@ pub enum Procedure<'a> {
         /// Whether the message ends here.
         end: bool,
     },
+    /// Part of a message that is longer than the server takes.
+    WriteTooMuch,
     /// Asks for part of a reply.
     Read {
         /// How many bytes at most.
@@ -116,26 +108,12 @@ pub enum Procedure<'a> {
     Lock,
     /// Gives it back.
     Unlock,
-    /// Switches service requests on or off.
-    EnableServiceRequest {
-        /// What they carry, if they are on.
-        handle: Option<&'a [u8]>,
-    },
     /// A command to an interface.
     DoCommand,
+    /// Anything about interrupt channels, which this server has not.
+    Interrupts,
     /// Closes a link.
     DestroyLink,
-    /// Has the server connect to the client for service requests.
-    CreateInterruptChannel {
-        /// Address and port.
-        address: (u32, u16),
-        /// Program and version to be called there.
-        program: (u32, u32),
-        /// Whether it is to be UDP.
-        is_udp: bool,
-    },
-    /// Closes that connection.
-    DestroyInterruptChannel,
     /// Ends what a link waits for.
     Abort,
 }
@@ -148,7 +126,7 @@ pub struct ProcedureCall<'a> {
     /// The link's identifier, 0 where there is none.
     pub link: u32,
     /// How long it waits.
-    pub patience: Patience,
+    pub timeouts: Timeouts,
 }
 
 fn seconds(milliseconds: u32) -> f64 {
@@ -178,28 +156,26 @@ pub fn parse(
         (17, false) => generic(Procedure::Local, items),
         (18, false) => lock(items),
         (19, false) => of_link(Procedure::Unlock, items),
-        (20, false) => enable_service_request(items),
         (22, false) => of_link(Procedure::DoCommand, items),
         (23, false) => of_link(Procedure::DestroyLink, items),
-        (25, false) => create_interrupt_channel(items),
-        (26, false) => Some(of_channel(Procedure::DestroyInterruptChannel)),
+        (20 | 25 | 26, false) => Some(of_channel(Procedure::Interrupts)),
         _ => return Err(Refusal::Procedure),
     };
     request.ok_or(Refusal::Arguments)
 }
 
 fn of_channel(procedure: Procedure<'_>) -> ProcedureCall<'_> {
-    ProcedureCall { procedure, link: 0, patience: Patience::default() }
+    ProcedureCall { procedure, link: 0, timeouts: Timeouts::default() }
 }
 
 fn of_link<'a>(procedure: Procedure<'a>, items: &mut XdrReader<'a>) -> Option<ProcedureCall<'a>> {
-    Some(ProcedureCall { procedure, link: items.word()?, patience: Patience::default() })
+    Some(ProcedureCall { procedure, link: items.word()?, timeouts: Timeouts::default() })
 }
 
 /// Waits for a lock if its flag says so.
-fn patience(flags: u32, lock: u32, io: u32) -> Patience {
+fn timeouts(flags: u32, lock: u32, io: u32) -> Timeouts {
     let waits = flags & flag::WAIT_FOR_LOCK != 0;
-    Patience { lock: if waits { seconds(lock) } else { 0.0 }, io: seconds(io) }
+    Timeouts { lock: if waits { seconds(lock) } else { 0.0 }, io: seconds(io) }
 }
 
 fn create_link<'a>(items: &mut XdrReader<'a>) -> Option<ProcedureCall<'a>> {
@@ -209,15 +185,18 @@ fn create_link<'a>(items: &mut XdrReader<'a>) -> Option<ProcedureCall<'a>> {
     Some(ProcedureCall {
         procedure,
         link: 0,
-        patience: Patience { lock: seconds(timeout), io: 0.0 },
+        timeouts: Timeouts { lock: seconds(timeout), io: 0.0 },
     })
 }
 
 fn write<'a>(items: &mut XdrReader<'a>) -> Option<ProcedureCall<'a>> {
     let (link, io, lock, flags) = (items.word()?, items.word()?, items.word()?, items.word()?);
-    let data = items.opaque(MAX_RECEIVE)?;
-    let procedure = Procedure::Write { data, end: flags & flag::END != 0 };
-    Some(ProcedureCall { procedure, link, patience: patience(flags, lock, io) })
+    let end = flags & flag::END != 0;
+    let procedure = match items.length()? {
+        length if length > MAX_RECEIVE => Procedure::WriteTooMuch,
+        _ => Procedure::Write { data: items.opaque(MAX_RECEIVE)?, end },
+    };
+    Some(ProcedureCall { procedure, link, timeouts: timeouts(flags, lock, io) })
 }
 
 fn read<'a>(items: &mut XdrReader<'a>) -> Option<ProcedureCall<'a>> {
@@ -227,35 +206,17 @@ fn read<'a>(items: &mut XdrReader<'a>) -> Option<ProcedureCall<'a>> {
     let [.., character] = character.to_be_bytes();
     let terminator = (flags & flag::TERMINATOR != 0).then_some(character);
     let procedure = Procedure::Read { count: usize::try_from(count).ok()?, terminator };
-    Some(ProcedureCall { procedure, link, patience: patience(flags, lock, io) })
+    Some(ProcedureCall { procedure, link, timeouts: timeouts(flags, lock, io) })
 }
 
 fn generic<'a>(procedure: Procedure<'a>, items: &mut XdrReader<'a>) -> Option<ProcedureCall<'a>> {
     let (link, flags, lock, io) = (items.word()?, items.word()?, items.word()?, items.word()?);
-    Some(ProcedureCall { procedure, link, patience: patience(flags, lock, io) })
+    Some(ProcedureCall { procedure, link, timeouts: timeouts(flags, lock, io) })
 }
 
 fn lock<'a>(items: &mut XdrReader<'a>) -> Option<ProcedureCall<'a>> {
     let (link, flags, lock) = (items.word()?, items.word()?, items.word()?);
-    Some(ProcedureCall { procedure: Procedure::Lock, link, patience: patience(flags, lock, 0) })
-}
-
-fn enable_service_request<'a>(items: &mut XdrReader<'a>) -> Option<ProcedureCall<'a>> {
-    let (link, enable) = (items.word()?, items.word()? != 0);
-    let handle = items.opaque(MAX_HANDLE)?;
-    let procedure = Procedure::EnableServiceRequest { handle: enable.then_some(handle) };
-    Some(ProcedureCall { procedure, link, patience: Patience::default() })
-}
-
-fn create_interrupt_channel<'a>(items: &mut XdrReader<'a>) -> Option<ProcedureCall<'a>> {
-    let (host, port) = (items.word()?, u16::try_from(items.word()?).ok()?);
-    let (program, version, family) = (items.word()?, items.word()?, items.word()?);
-    let procedure = Procedure::CreateInterruptChannel {
-        address: (host, port),
-        program: (program, version),
-        is_udp: family != 0,
-    };
-    Some(of_channel(procedure))
+    Some(ProcedureCall { procedure: Procedure::Lock, link, timeouts: timeouts(flags, lock, 0) })
 }
 
 impl Procedure<'_> {
@@ -268,7 +229,9 @@ impl Procedure<'_> {
             // Reason, no data.
             Self::Read { .. } => words(&[code, 0, 0]),
             // Bytes taken; status byte; no data.
-            Self::Write { .. } | Self::ReadStatus | Self::DoCommand => words(&[code, 0]),
+            Self::Write { .. } | Self::WriteTooMuch | Self::ReadStatus | Self::DoCommand => {
+                words(&[code, 0])
+            }
             _ => words(&[code]),
         }
     }

@@ -8,6 +8,8 @@
 pub const MAX_RECEIVE: usize = 64 * 1024;
 /// Longest record: data and what is around them, credentials included (bytes).
 pub const MAX_RECORD: usize = MAX_RECEIVE + 2048;
+/// Longest record that is passed over where it is longer than [`MAX_RECORD`] (bytes).
+pub const MAX_PASSED_OVER: usize = 1 << 24;
 /// Longest credentials or verifier (bytes).
 const MAX_AUTHENTICATION: usize = 400;
 /// Bit of a fragment's length: the last one of its record.
@@ -23,9 +25,13 @@ const REPLY: u32 = 1;
 pub struct RecordDecoder {
     buffer: Vec<u8>,
     record: Vec<u8>,
+    /// Length of the record as far as its fragments have come.
+    length: usize,
+    /// What is missing of the fragment that has begun, and whether it is its record's last.
+    fragment: Option<(usize, bool)>,
 }
 
-/// Bytes that cannot be a record, or make one that is too long: nothing behind them can be trusted.
+/// Bytes that cannot be a record, or make one that is too long to be passed over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Malformed;
 
@@ -40,25 +46,40 @@ impl RecordDecoder {
         self.buffer.len()
     }
 
-    /// The next record, if it is complete.
+    /// The next record, if it is complete. Of one that is longer than [`MAX_RECORD`] the beginning:
+    /// a call whose data are too long has a reply.
     ///
     /// # Errors
-    /// [`Malformed`] for a record that is longer than [`MAX_RECORD`].
+    /// [`Malformed`] for a record longer than [`MAX_PASSED_OVER`].
     pub fn next_record(&mut self) -> Result<Option<Vec<u8>>, Malformed> {
-        while let Some(head) = self.buffer.first_chunk() {
-            let head = u32::from_be_bytes(*head);
-            let length = usize::try_from(head & !LAST_FRAGMENT).unwrap_or(usize::MAX);
-            if length > MAX_RECORD - self.record.len() {
-                return Err(Malformed);
+        loop {
+            let (missing, is_last) = match self.fragment {
+                Some(fragment) => fragment,
+                None => {
+                    let Some(head) = self.buffer.first_chunk() else { return Ok(None) };
+                    let head = u32::from_be_bytes(*head);
+                    self.buffer.drain(..4);
+                    let length = usize::try_from(head & !LAST_FRAGMENT).unwrap_or(usize::MAX);
+                    self.length = self.length.saturating_add(length);
+                    if self.length > MAX_PASSED_OVER {
+                        return Err(Malformed);
+                    }
+                    (length, head & LAST_FRAGMENT != 0)
+                }
+            };
+            let here = missing.min(self.buffer.len());
+            let room = MAX_RECORD.saturating_sub(self.record.len());
+            self.record.extend(self.buffer.drain(..here).take(room));
+            if here < missing {
+                self.fragment = Some((missing - here, is_last));
+                return Ok(None);
             }
-            let Some(fragment) = self.buffer.get(4..4 + length) else { return Ok(None) };
-            self.record.extend_from_slice(fragment);
-            self.buffer.drain(..4 + length);
-            if head & LAST_FRAGMENT != 0 {
+            self.fragment = None;
+            if is_last {
+                self.length = 0;
                 return Ok(Some(std::mem::take(&mut self.record)));
             }
         }
-        Ok(None)
     }
 }
 
@@ -80,6 +101,11 @@ impl<'a> XdrReader<'a> {
         let (head, rest) = self.0.split_first_chunk()?;
         self.0 = rest;
         Some(u32::from_be_bytes(*head))
+    }
+
+    /// The length of the next bytes of variable length.
+    pub fn length(&self) -> Option<usize> {
+        usize::try_from(Self(self.0).word()?).ok()
     }
 
     /// The next bytes of variable length, which are no more than `limit`.
@@ -168,10 +194,4 @@ impl<'a> Call<'a> {
         });
         out
     }
-}
-
-/// A call of `procedure` without credentials.
-pub fn call(xid: u32, [program, version, procedure]: [u32; 3], arguments: &[u8]) -> Vec<u8> {
-    let head = [xid, CALL, RPC_VERSION, program, version, procedure, 0, 0, 0, 0];
-    [&words(&head), arguments].concat()
 }

@@ -1,20 +1,24 @@
 //! All channels and links: what each call does, what waits, what is to be sent.
 
 use std::collections::BTreeMap;
-use std::net::{IpAddr, Ipv4Addr, SocketAddrV4};
 
 use super::procedure::{
-    ABORT_PROGRAM, CORE_PROGRAM, DEVICE_INTR_SRQ, ErrorCode, Patience, Procedure, ProcedureCall,
-    VERSION, parse, reason,
+    ABORT_PROGRAM, CORE_PROGRAM, ErrorCode, Procedure, ProcedureCall, Timeouts, VERSION, parse,
+    reason,
 };
 use super::rpc::{
-    Call, MAX_RECEIVE, MAX_RECORD, RecordDecoder, Refusal, call, put_opaque, record, words,
+    Call, MAX_RECEIVE, MAX_RECORD, RecordDecoder, Refusal, put_opaque, record, words,
 };
 use crate::lan::lock::{Grant, Released};
 use crate::lan::{Device, FIRST_LINK, Outgoing, ServiceRequest};
 
-/// Links at a time.
+/// Links at a time. A further one takes the place of the connection with links that has been idle
+/// for longest.
 pub const MAX_LINKS: usize = 64;
+/// Links of one connection.
+pub const MAX_LINKS_OF_CONNECTION: usize = 16;
+/// Time without a call after which a connection and its links give way to a new link (s).
+const IDLE_TIME: f64 = 1.0;
 
 /// A link.
 #[derive(Debug, Clone, Default)]
@@ -26,24 +30,6 @@ struct Link {
     /// A message has begun and not ended.
     within_message: bool,
     service: ServiceRequest,
-    /// What service requests carry, where they are switched on.
-    handle: Option<Vec<u8>>,
-}
-
-/// The connection to a client that is told of service requests.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-enum InterruptChannel {
-    /// None.
-    #[default]
-    Closed,
-    /// The server connects, for calls of this program and version.
-    Connecting(u32, u32),
-    /// It could not.
-    Failed,
-    /// It is there, which the client is still to be told.
-    Ready(u32, u32),
-    /// It is there.
-    Open(u32, u32),
 }
 
 /// A call that waits, and since when (s).
@@ -56,22 +42,10 @@ struct Waiting {
 /// A channel: core, abort, or both.
 #[derive(Debug, Clone)]
 struct Channel {
-    peer: IpAddr,
     records: RecordDecoder,
     waiting: Option<Waiting>,
-    interrupts: InterruptChannel,
-}
-
-/// What is to be done about a client's interrupt channel, which the number of its core channel
-/// identifies.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Interrupt {
-    /// Connect; [`Vxi11Server::interrupt_channel`] takes what became of it.
-    Connect(u64, SocketAddrV4),
-    /// Send these bytes.
-    Send(u64, Vec<u8>),
-    /// Close it.
-    Close(u64),
+    /// When bytes came last (s).
+    last_received: f64,
 }
 
 /// What a call has come to.
@@ -95,9 +69,7 @@ pub struct Vxi11Server {
     channels: BTreeMap<u64, Channel>,
     links: BTreeMap<u16, Link>,
     output: Vec<Outgoing>,
-    interrupts: Vec<Interrupt>,
     now: f64,
-    calls_made: u32,
 }
 
 impl Vxi11Server {
@@ -108,29 +80,25 @@ impl Vxi11Server {
             channels: BTreeMap::new(),
             links: BTreeMap::new(),
             output: Vec::new(),
-            interrupts: Vec::new(),
             now: 0.0,
-            calls_made: 0,
         }
     }
 
     /// A connection is there.
-    pub fn opened(&mut self, connection: u64, peer: IpAddr) {
-        let interrupts = InterruptChannel::Closed;
-        let channel =
-            Channel { peer, records: RecordDecoder::default(), waiting: None, interrupts };
+    pub fn opened(&mut self, connection: u64) {
+        let (records, last_received) = (RecordDecoder::default(), self.now);
+        let channel = Channel { records, waiting: None, last_received };
         self.channels.insert(connection, channel);
     }
 
     /// Closes a connection's links.
     pub fn closed(&mut self, connection: u64, device: &mut dyn Device) {
-        let Some(channel) = self.channels.remove(&connection) else { return };
+        if self.channels.remove(&connection).is_none() {
+            return;
+        }
         let links = self.links.iter().filter(|(_, link)| link.connection == connection);
         for number in links.map(|(number, _)| *number).collect::<Vec<u16>>() {
             self.destroy(number, device);
-        }
-        if channel.interrupts != InterruptChannel::Closed {
-            self.interrupts.push(Interrupt::Close(connection));
         }
         self.settle(device);
     }
@@ -139,6 +107,7 @@ impl Vxi11Server {
     pub fn received(&mut self, connection: u64, bytes: &[u8], device: &mut dyn Device) {
         let Some(channel) = self.channels.get_mut(&connection) else { return };
         channel.records.push(bytes);
+        channel.last_received = self.now;
         // A client that waits for a reply has nothing to send.
         if channel.waiting.is_some() && channel.records.waiting() > MAX_RECORD {
             return self.refuse(connection, device);
@@ -162,49 +131,20 @@ impl Vxi11Server {
             || links.any(|(number, _)| device.is_waiting(*number))
     }
 
-    /// What became of [`Interrupt::Connect`], or that the connection was closed.
-    pub fn interrupt_channel(&mut self, connection: u64, is_open: bool) {
-        let Some(channel) = self.channels.get_mut(&connection) else { return };
-        channel.interrupts = match channel.interrupts {
-            InterruptChannel::Connecting(program, version) if is_open => {
-                InterruptChannel::Ready(program, version)
-            }
-            InterruptChannel::Connecting(..) => InterruptChannel::Failed,
-            _ => InterruptChannel::Closed,
-        };
-    }
-
     /// Time has passed: it is `now` (s), on a clock that does not run backwards. Calls run out, and
-    /// those who asked for service are told.
+    /// new reasons for service show in the status byte.
     pub fn advance(&mut self, now: f64, device: &mut dyn Device) {
         self.now = self.now.max(now);
         self.settle(device);
         for link in self.links.values_mut() {
             let (byte, enabled) = device.status(!link.reply.is_empty());
-            if !link.service.is_due(byte, enabled) {
-                continue;
-            }
-            let channel = self.channels.get(&link.connection);
-            if let (Some(handle), Some(InterruptChannel::Open(program, version))) =
-                (&link.handle, channel.map(|channel| channel.interrupts))
-            {
-                self.calls_made = self.calls_made.wrapping_add(1);
-                let mut arguments = Vec::new();
-                put_opaque(handle, &mut arguments);
-                let told = call(self.calls_made, [program, version, DEVICE_INTR_SRQ], &arguments);
-                self.interrupts.push(Interrupt::Send(link.connection, record(&told)));
-            }
+            link.service.is_due(byte, enabled);
         }
     }
 
     /// Output since the last call, in order.
     pub fn take_output(&mut self) -> Vec<Outgoing> {
         std::mem::take(&mut self.output)
-    }
-
-    /// What is to be done about interrupt channels since the last call, in order.
-    pub fn take_interrupts(&mut self) -> Vec<Interrupt> {
-        std::mem::take(&mut self.interrupts)
     }
 
     /// Goes on with the calls that wait, for as long as one of them gets on: it may have freed a
@@ -288,21 +228,16 @@ impl Vxi11Server {
     fn attempt(
         &mut self,
         connection: u64,
-        ProcedureCall { procedure, link, patience }: ProcedureCall<'_>,
+        ProcedureCall { procedure, link, timeouts }: ProcedureCall<'_>,
         since: f64,
         device: &mut dyn Device,
     ) -> Attempt {
         match procedure {
             Procedure::Null => return Attempt::Results(Vec::new()),
             Procedure::CreateLink { lock, device: name } => {
-                return self.create(connection, (lock, name), (patience, since), device);
+                return self.create(connection, (lock, name), (timeouts, since), device);
             }
-            Procedure::CreateInterruptChannel { address, program, is_udp } => {
-                return self.create_interrupt_channel(connection, (address, program), is_udp);
-            }
-            Procedure::DestroyInterruptChannel => {
-                return self.destroy_interrupt_channel(connection);
-            }
+            Procedure::Interrupts => return ErrorCode::NotSupported.into(),
             Procedure::Abort => return self.abort(link, device),
             _ => {}
         }
@@ -314,16 +249,16 @@ impl Vxi11Server {
             procedure,
             Procedure::Unlock
                 | Procedure::DestroyLink
-                | Procedure::EnableServiceRequest { .. }
                 | Procedure::DoCommand
+                | Procedure::WriteTooMuch
         );
         if needs_lock && !device.locks().may_act(number) {
-            if since + patience.lock > self.now {
+            if since + timeouts.lock > self.now {
                 return Attempt::Wait;
             }
             return Attempt::Results(procedure.failure(ErrorCode::Locked));
         }
-        self.act(number, procedure, since + patience.io, device)
+        self.act(number, procedure, since + timeouts.io, device)
     }
 
     /// What a link that may act does; a read waits until `until` (s).
@@ -358,8 +293,9 @@ impl Vxi11Server {
                 let (byte, _) = device.status(!link.reply.is_empty());
                 words(&[0, u32::from(link.service.read(byte))])
             }
+            Procedure::WriteTooMuch => procedure.failure(ErrorCode::Parameter),
             Procedure::Trigger => {
-                device.trigger(number);
+                link.reply.extend(device.trigger(number));
                 words(&[0])
             }
             Procedure::Clear => {
@@ -380,10 +316,6 @@ impl Vxi11Server {
                 Released::Nothing => procedure.failure(ErrorCode::NoLock),
                 Released::Exclusive | Released::Shared => words(&[0]),
             },
-            Procedure::EnableServiceRequest { handle } => {
-                link.handle = handle.map(<[u8]>::to_vec);
-                words(&[0])
-            }
             Procedure::DestroyLink => {
                 self.destroy(number, device);
                 words(&[0])
@@ -398,25 +330,46 @@ impl Vxi11Server {
         &mut self,
         connection: u64,
         (lock, name): (bool, &[u8]),
-        (patience, since): (Patience, f64),
+        (timeouts, since): (Timeouts, f64),
         device: &mut dyn Device,
     ) -> Attempt {
         let failure = |code| Attempt::Results([words(&[code as u32]), words(&[0; 3])].concat());
         if !(name.is_empty() || name.eq_ignore_ascii_case(b"inst0")) {
             return failure(ErrorCode::NotAccessible);
         }
+        let own = self.links.values().filter(|link| link.connection == connection).count();
+        let has_room = own < MAX_LINKS_OF_CONNECTION
+            && (self.links.len() < MAX_LINKS || self.close_idle(connection, device));
         let free = (FIRST_LINK..u16::MAX).find(|number| !self.links.contains_key(number));
-        let Some(number) = free.filter(|_| self.links.len() < MAX_LINKS) else {
+        let Some(number) = free.filter(|_| has_room) else {
             return failure(ErrorCode::OutOfResources);
         };
         if lock && device.locks().request(number, &[]) != Grant::Granted {
-            let waits = since + patience.lock > self.now;
+            let waits = since + timeouts.lock > self.now;
             return if waits { Attempt::Wait } else { failure(ErrorCode::Locked) };
         }
         self.links.insert(number, Link { connection, ..Link::default() });
         device.open(number, connection);
         let longest = u32::try_from(MAX_RECEIVE).unwrap_or(u32::MAX);
         Attempt::Results(words(&[0, u32::from(number), u32::from(self.port), longest]))
+    }
+
+    /// Closes the connection with links, other than `connection`, that has been idle for longest.
+    /// Whether there was one.
+    fn close_idle(&mut self, connection: u64, device: &mut dyn Device) -> bool {
+        let idle = |(number, channel): &(&u64, &Channel)| {
+            **number != connection
+                && self.now - channel.last_received >= IDLE_TIME
+                && self.links.values().any(|link| link.connection == **number)
+                && !self.is_waiting(**number, device)
+        };
+        let by_time = |a: &(&u64, &Channel), b: &(&u64, &Channel)| {
+            a.1.last_received.total_cmp(&b.1.last_received)
+        };
+        let longest = self.channels.iter().filter(idle).min_by(by_time);
+        let Some(number) = longest.map(|(number, _)| *number) else { return false };
+        self.refuse(number, device);
+        true
     }
 
     fn destroy(&mut self, number: u16, device: &mut dyn Device) {
@@ -442,49 +395,6 @@ impl Vxi11Server {
             self.work_off(connection, device);
         }
         Attempt::Results(words(&[0]))
-    }
-
-    fn create_interrupt_channel(
-        &mut self,
-        connection: u64,
-        ((host, port), (program, version)): ((u32, u16), (u32, u32)),
-        is_udp: bool,
-    ) -> Attempt {
-        let Some(channel) = self.channels.get_mut(&connection) else {
-            return ErrorCode::NoChannel.into();
-        };
-        let address = Ipv4Addr::from(host);
-        match channel.interrupts {
-            InterruptChannel::Connecting(..) => return Attempt::Wait,
-            InterruptChannel::Failed => {
-                channel.interrupts = InterruptChannel::Closed;
-                return ErrorCode::NoChannel.into();
-            }
-            InterruptChannel::Ready(program, version) => {
-                channel.interrupts = InterruptChannel::Open(program, version);
-                return Attempt::Results(words(&[0]));
-            }
-            InterruptChannel::Open(..) => return ErrorCode::ChannelExists.into(),
-            InterruptChannel::Closed if is_udp => return ErrorCode::NotSupported.into(),
-            InterruptChannel::Closed if channel.peer.to_canonical() != IpAddr::V4(address) => {
-                return ErrorCode::InvalidAddress.into();
-            }
-            InterruptChannel::Closed => {}
-        }
-        channel.interrupts = InterruptChannel::Connecting(program, version);
-        self.interrupts.push(Interrupt::Connect(connection, SocketAddrV4::new(address, port)));
-        Attempt::Wait
-    }
-
-    fn destroy_interrupt_channel(&mut self, connection: u64) -> Attempt {
-        let channel = self.channels.get_mut(&connection);
-        match channel.map(|channel| std::mem::take(&mut channel.interrupts)) {
-            Some(InterruptChannel::Open(..)) => {
-                self.interrupts.push(Interrupt::Close(connection));
-                Attempt::Results(words(&[0]))
-            }
-            _ => ErrorCode::NoChannel.into(),
-        }
     }
 }
 

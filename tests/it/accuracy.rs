@@ -1,15 +1,13 @@
-//! The accuracy that is asked for: held, estimated, and chosen from the scope where nobody names
-//! one.
+//! The accuracy that is asked for: reached, and estimated.
 
-use hertzscope::experiment::accuracy::{doubt, of_scene, run_to_accuracy};
+use hertzscope::experiment::accuracy::{doubt, reference_tolerance, run_by_hand, run_to_accuracy};
 use hertzscope::experiment::bench::{Bench, Grid};
-use hertzscope::experiment::by_hand::run_by_hand;
-use hertzscope::experiment::outcome::ErrorEstimate;
+use hertzscope::experiment::estimate::ErrorEstimate;
 use hertzscope::experiment::outcome::{Reading, Summary};
-use hertzscope::experiment::reference::estimate;
-use hertzscope::experiment::{Integration, Outcome, run};
-use hertzscope::integrate::{IntegrateError, Method};
-use hertzscope::scene::{DEFAULT_ACCURACY, Scene};
+use hertzscope::experiment::run::Run;
+use hertzscope::experiment::{Integration, Outcome, method, run};
+use hertzscope::motion::{IntegrateError, Method};
+use hertzscope::scene::Scene;
 use hertzscope::trace::Trace;
 
 fn outcome(scene: &Scene, integration: Integration) -> Outcome {
@@ -67,19 +65,28 @@ fn errors(found: &Summary, exact: &Summary) -> (f64, f64) {
     largest
 }
 
+/// The error estimate of one run at `accuracy`, as the ladder has it.
+fn estimate(scene: &Scene, accuracy: f64) -> ErrorEstimate {
+    let at = |accuracy: f64| {
+        let method = method(scene, Integration::Accuracy(accuracy)).expect("a method");
+        Run::new(scene, 1, method, &mut |_| ()).expect("a run")
+    };
+    let tighter = reference_tolerance(accuracy);
+    ErrorEstimate::between(&at(accuracy), &at(tighter), tighter).expect("an estimate")
+}
+
 /// Runs `scene` at 1e-3, 1e-6 and 1e-9, against a run by another family of methods.
 fn is_held(name: &str, scene: &Scene, reference: Method) {
     let exact = outcome(scene, Integration::Method(reference));
     for accuracy in [1e-3, 1e-6, 1e-9] {
         let found = outcome(scene, Integration::Accuracy(accuracy));
-        let said = estimate(scene, accuracy, &found).expect("a run").expect("an estimate");
+        let said = estimate(scene, accuracy);
         let ErrorEstimate { peak, arrival, .. } = said;
         let (true_peak, true_arrival) = errors(&found.summary, &exact.summary);
         let (trace, true_trace) =
             (said.trace.expect("a sensor"), trace_error(scene, &found, &exact));
         println!(
-            "{name} at {accuracy:e}: peak {true_peak:.1e} of {peak:.1e}, arrival {true_arrival:.1e} of {arrival:.1e}, trace {true_trace:.1e} of {trace:.1e} to {:?}",
-            said.trace_holds_s
+            "{name} at {accuracy:e}: peak {true_peak:.1e} of {peak:.1e}, arrival {true_arrival:.1e} of {arrival:.1e}, trace {true_trace:.1e} of {trace:.1e}"
         );
         assert!(
             true_peak <= accuracy && true_arrival <= accuracy,
@@ -170,7 +177,7 @@ fn an_error_beyond_the_accuracy_is_told() {
     let plain = Scene::load("gravity-2.75g").expect("a shipped scene");
     let exact = simulate(&plain, Integration::Accuracy(1e-11));
     let found = outcome(&scene, Integration::Accuracy(1e-9));
-    let said = estimate(&scene, 1e-9, &found).expect("a run").expect("an estimate");
+    let said = estimate(&scene, 1e-9);
     let (peak, arrival) = errors(&found.summary, &exact);
     assert!(peak <= said.peak && arrival <= said.arrival, "{peak:e}, {arrival:e}: {said:?}");
     let told = doubt(Some(&said), 1e-9);
@@ -266,32 +273,6 @@ fn scene(more: &str) -> Scene {
 }
 
 #[test]
-fn without_a_name_it_follows_from_the_scope() {
-    // 1 us a sample against the wall's 0.95 ms, which is more than a level asks for.
-    let slow = of_scene(&scene("accuracy = \"auto\"")).expect("an accuracy");
-    let wall = simulate(&scene(""), Integration::Accuracy(1e-6)).wall.expect("a wall");
-    let latest = wall.first_peak.expect("a peak").time_s;
-    assert!((slow.value / (0.1 * 1e-6 / latest) - 1.0).abs() < 1e-3, "{slow:?}");
-    assert!(slow.reason.contains("sample interval"), "{slow:?}");
-    // A sample every 100 us is no measure; a level of the most sensitive channel is.
-    let coarse = of_scene(&scene(
-        "accuracy = \"auto\"\n[scope]\ntime_base = \"25 ms/div\"\nposition = \"0 s\"",
-    ))
-    .expect("an accuracy");
-    let found = simulate(&scene(""), Integration::Accuracy(1e-6));
-    let tuned = scene("");
-    let levels = tuned.scope.channels.iter().flatten().filter_map(|channel| {
-        let index = tuned.sensors.iter().position(|s| Some(&s.name) == channel.input.as_ref())?;
-        let reading = found.sensors.get(index).or(found.wall.as_ref())?;
-        let circuit = tuned.circuit(index, channel)?;
-        Some(channel.vertical.scale / 25.0 / circuit.sensitivity / reading.first_peak?.dynamic_n)
-    });
-    let level = levels.fold(f64::MAX, f64::min);
-    assert!((coarse.value / (0.1 * level) - 1.0).abs() < 1e-3, "{coarse:?} {level}");
-    assert!(coarse.reason.contains("digitiser level"), "{coarse:?}");
-}
-
-#[test]
 fn a_named_one_is_taken_as_it_is_typed() {
     for typed in ["1e-4", "\"1e-4\"", "\"0.01 %\""] {
         let found = Scene::from_text(
@@ -303,20 +284,13 @@ fn a_named_one_is_taken_as_it_is_typed() {
             assert_eq!(typed, "{found:?}");
             continue;
         };
-        assert!((scene.accuracy.expect("a number") / 1e-4 - 1.0).abs() < 1e-12, "{typed}");
+        assert!((scene.accuracy / 1e-4 - 1.0).abs() < 1e-12, "{typed}");
     }
-    let wrong = Scene::from_text("s", "s.toml", "base = \"magnet-0.61g\"\naccuracy = \"high\"");
-    assert!(wrong.expect_err("no number").to_string().contains("s.toml:2"));
-}
-
-#[test]
-fn without_a_pulse_nothing_can_be_chosen() {
-    let none = scene(
-        "accuracy = \"auto\"\nduration = \"1 us\"\n[scope]\ntime_base = \"100 ns/div\"\nposition = \"0 s\"\n",
-    );
-    let chosen = of_scene(&none).expect("an accuracy");
-    assert_eq!(chosen.value, DEFAULT_ACCURACY);
-    assert!(chosen.reason.contains("no pulse"), "{chosen:?}");
+    for typed in ["high", "auto"] {
+        let text = format!("base = \"magnet-0.61g\"\naccuracy = \"{typed}\"");
+        let wrong = Scene::from_text("s", "s.toml", &text);
+        assert!(wrong.expect_err("no number").to_string().contains("s.toml:2"), "{typed}");
+    }
 }
 
 #[test]
@@ -354,4 +328,88 @@ fn codes_of_notes_are_documented() {
         }
     }
     assert!(codes >= 20, "{codes} codes");
+}
+
+/// At 5 ms/div and slower the record holds more samples than the truth keeps, and the estimate once
+/// compared samples of different times: 200 % for traces that agree to 2e-10 N.
+#[test]
+fn slow_time_bases_have_the_error_estimate_of_fast_ones() {
+    let slow = scene("[scope]\ntime_base = \"5 ms/div\"\nposition = \"0 s\"\n");
+    let found = run_to_accuracy(&slow, 1e-6, 1, &mut |_| ()).expect("a run").summary;
+    let trace = found.error_estimate.as_ref().and_then(|e| e.trace).expect("an estimate");
+    // The run by another family of methods that the estimate is compared with.
+    let exact = Method::DormandPrince853 { tolerance: 1e-14 };
+    let exact = Run::new(&slow, 1, exact, &mut |_| ()).expect("a run");
+    let by = method(&slow, Integration::Accuracy(1e-6)).expect("a method");
+    let run = Run::new(&slow, 1, by, &mut |_| ()).expect("a run");
+    let true_error = hertzscope::experiment::estimate::trace_error(&run, &exact).expect("a trace");
+    assert!((true_error..1e-3).contains(&trace), "{trace:e} and {true_error:e}");
+    assert!(found.notes.iter().all(|note| note.code != "shorter_steps"), "{:?}", found.notes);
+}
+
+/// Thirty beads, each 0.7 as large as the one above: the last ones move at hundreds of times the
+/// striker's speed, and rounding is amplified. Run and reference run once had the same tolerance,
+/// the smallest, so that they were one run, and the estimate was empty.
+#[test]
+fn at_the_tightest_tolerances_run_and_reference_run_differ() {
+    let mut text = "duration = \"0.1 ms\"\nmaterials.st = { youngs_modulus = \"193 GPa\", poissons_ratio = 0.3 }\n".to_owned();
+    for i in 0..30 {
+        let share = 0.7_f64.powi(i);
+        text += &format!(
+            "particles.t{i} = {{ material = \"st\", diameter = \"{:e} m\", mass = \"{:e} kg\" }}\n",
+            5e-3 * share,
+            0.51e-3 * share.powi(3)
+        );
+    }
+    let names: Vec<String> = (0..30).map(|i| format!("\"t{i}\"")).collect();
+    text += &format!(
+        "chain = {{ top = \"free\", bottom = \"free\", segments = [{{ particles = [{}] }}] }}\n",
+        names.join(", ")
+    );
+    text += "striker = { material = \"st\", mass = \"0.51 g\", diameter = \"5 mm\", speed = \"0.1 m/s\" }\n";
+    text += "sensors.a = { model = \"pzt-5a-710pf\", particle = 25 }\n[scope]\nmodel = \"tds2014\"\ntime_base = \"25 us/div\"\ntrigger = { source = \"CH1\", level = \"200 mV\", slope = \"rise\", mode = \"auto\" }\nch1 = { input = \"a\", scale = \"1 V/div\" }\n";
+    let scene = Scene::from_text("taper", "taper.toml", &text).expect("a scene");
+    let exact =
+        simulate(&scene, Integration::Method(Method::DormandPrince853 { tolerance: 1e-14 }));
+    for accuracy in [1e-8, 1e-11] {
+        let found = run_to_accuracy(&scene, accuracy, 1, &mut |_| ()).expect("a run").summary;
+        let (peak, arrival) = errors(&found, &exact);
+        println!("{accuracy:e}: {peak:e}, {arrival:e} of {:?}", found.error_estimate);
+        let told = found.notes.iter().any(|note| note.code == "no_error_estimate");
+        // The other method is off by rounding, too: by a tenth of what the two differ at most.
+        let covers = found.error_estimate.as_ref().is_some_and(|estimate| {
+            3.0 * estimate.peak >= peak && 3.0 * estimate.arrival >= arrival
+        });
+        assert!(told || covers, "{accuracy:e}: {peak:e}, {arrival:e}: {:?}", found.error_estimate);
+    }
+}
+
+/// Two equal steel spheres meet at 1 m/s: the largest force is
+/// `A^(2/5) (5 mu v^2/4)^(3/5)` (Hertz), however few frames are kept.
+#[test]
+fn notes_on_yield_and_overlap_do_not_depend_on_the_number_of_frames() {
+    let text = "
+        duration = \"0.2 ms\"
+        materials.st = { youngs_modulus = \"200 GPa\", poissons_ratio = 0.3, yield_strength = \"300 MPa\" }
+        particles.ball = { material = \"st\", diameter = \"10 mm\", mass = \"4 g\" }
+        chain = { top = \"free\", bottom = \"free\", segments = [{ particles = [\"ball\"] }] }
+        striker = { material = \"st\", mass = \"4 g\", diameter = \"10 mm\", speed = \"1 m/s\" }
+        sensors.a = { model = \"pzt-5a-710pf\", particle = 1 }
+        [scope]
+        model = \"tds2014\"
+        time_base = \"25 us/div\"
+        trigger = { source = \"CH1\", level = \"200 mV\", slope = \"rise\", mode = \"auto\" }
+        ch1 = { input = \"a\", scale = \"1 V/div\" }
+    ";
+    // E* = 200e9 / (2 * 0.91), R* = 2.5 mm: A = 4/3 E* sqrt(R*); mu = 2 g.
+    let stiffness = 4.0 / 3.0 * (200e9 / 1.82) * 2.5e-3_f64.sqrt();
+    let expected = stiffness.powf(0.4) * (1.25 * 2e-3 * 1.0_f64).powf(0.6);
+    for frames in [2, 3, 7, 5000] {
+        let mut scene = Scene::from_text("two", "two.toml", text).expect("a scene");
+        scene.frames = frames;
+        let found = simulate(&scene, Integration::Accuracy(1e-6));
+        let note = found.notes.iter().find(|note| note.code == "yielding").expect("a note");
+        let force = note.values["force_n"].as_f64().expect("a number");
+        assert!((force / expected - 1.0).abs() < 1e-6, "{frames}: {force}, not {expected}");
+    }
 }

@@ -2,11 +2,11 @@
 
 use hertzscope::chain::End;
 use hertzscope::chain::{
-    Chain, ChainSpec, Dashpot, EffectsSpec, EndOfContact, Gravity, KuwabaraKono, LossSpec,
-    MagnetForce, MagnetPreload,
+    Chain, ChainSpec, EffectsSpec, EndOfContact, Gravity, LossKind, LossSpec, MagnetForce,
+    MagnetPreload,
 };
 use hertzscope::experiment::bench::Bench;
-use hertzscope::integrate::{IntegrateError, Method};
+use hertzscope::motion::{IntegrateError, Method};
 
 use crate::chains::{NEVER, STEEL, body, pressed, ptfe_sphere, steel_cylinder};
 
@@ -114,13 +114,13 @@ fn chains_at_rest_stay_at_rest_under_error_control() {
 
 /// The chains with a dashpot and Kuwabara and Kono's loss, for both ends of a contact.
 fn lossy_chains() -> Vec<(&'static str, ChainSpec)> {
-    let loss = |value, end| LossSpec { value, overrides: Vec::new(), end };
     let mut all = Vec::new();
     for end in [EndOfContact::ZeroOverlap, EndOfContact::ZeroForce] {
         for (name, mut spec) in chains() {
             if spec.effects.linearised_contacts.is_none() {
-                spec.effects.dashpot = Some(Dashpot { gamma: loss(0.5, end) });
-                spec.effects.kuwabara_kono = Some(KuwabaraKono { eta: loss(1e-6, end) });
+                let loss = |value| LossSpec::everywhere(value, end);
+                spec.effects = spec.effects.with_loss(LossKind::Dashpot, loss(0.5));
+                spec.effects = spec.effects.with_loss(LossKind::KuwabaraKono, loss(1e-6));
                 all.push((name, spec));
             }
         }

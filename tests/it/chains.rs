@@ -4,7 +4,7 @@ use hertzscope::chain::{
     Body, Chain, ChainSpec, EffectsSpec, Elasticity, End, ForceProbe, LinearisedContacts,
 };
 use hertzscope::experiment::bench::{Bench, Grid};
-use hertzscope::integrate::Method;
+use hertzscope::motion::Method;
 
 pub const PTFE: Elasticity = Elasticity { youngs_modulus: 1.46e9, poissons_ratio: 0.46 };
 pub const STEEL: Elasticity = Elasticity { youngs_modulus: 193e9, poissons_ratio: 0.3 };

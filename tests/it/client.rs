@@ -31,7 +31,7 @@ const TIMING: ClientTiming = ClientTiming {
 /// A server that is struck again and again, and writes its own recording into `file`.
 fn struck(file: &Path) -> Server {
     let scene = scene();
-    let accuracy = Integration::Accuracy(scene.accuracy.expect("an accuracy"));
+    let accuracy = Integration::Accuracy(scene.accuracy);
     let known = facts::facts(&scene, accuracy).expect("stable");
     let writer = RecordingWriter::create_live(file, &known, &[]).expect("writable");
     let impact_every = Some(Duration::from_millis(20));

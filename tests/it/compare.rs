@@ -19,7 +19,7 @@ fn hertzscope(arguments: &[&str]) -> Command {
 }
 
 fn recorded(scene: &Scene) -> TraceSet {
-    let integration = Integration::Accuracy(scene.accuracy.expect("an accuracy"));
+    let integration = Integration::Accuracy(scene.accuracy);
     let shot = run(scene, integration, 1, &mut |_| ()).expect("a run").shot;
     let metadata = facts::facts(scene, integration).expect("facts");
     TraceSet { shots: vec![shot], metadata, ..TraceSet::default() }

@@ -2,7 +2,7 @@
 
 use hertzscope::chain::{Chain, ForceProbe};
 use hertzscope::experiment::bench::Bench;
-use hertzscope::integrate::Method;
+use hertzscope::motion::Method;
 
 use super::chains::{NEVER, diatomic, kicked, pressed, ptfe_sphere, steel_cylinder};
 

@@ -4,7 +4,7 @@
 use hertzscope::experiment::auto_effects::{change_upper_bound, resolve_auto_effects};
 use hertzscope::experiment::outcome::{Reading, Summary};
 use hertzscope::experiment::{Integration, Outcome, run};
-use hertzscope::integrate::Method;
+use hertzscope::motion::Method;
 use hertzscope::scene::Scene;
 use hertzscope::studies::effects::{
     Change, EffectState, EffectVerdict, Ledger, LedgerEntry, ledger,

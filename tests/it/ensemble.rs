@@ -2,8 +2,8 @@
 
 use hertzscope::Ensemble;
 use hertzscope::chain::ForceProbe;
-use hertzscope::chain::simd::InstructionSet;
 use hertzscope::experiment::ensemble::{Case, Readout};
+use hertzscope::motion::kernel::InstructionSet;
 use hertzscope::scene::Scene;
 
 /// What a person reads: peak (N), its time and the half-rise (s) at every probe.

@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
+use hertzscope::chain::State;
 use hertzscope::experiment::bench::{Bench, Grid};
 use hertzscope::experiment::outcome::{Reading, Summary};
 use hertzscope::experiment::{Integration, run};
-use hertzscope::integrate::{Method, State};
+use hertzscope::motion::Method;
 use hertzscope::scene::Scene;
 use serde_json::Value;
 

@@ -1,8 +1,8 @@
 //! Each method converges at its order on a smooth problem, bounded on both sides: a preloaded chain
 //! whose contacts stay closed.
 
-use hertzscope::chain::{Chain, Dashpot, EndOfContact, LossSpec};
-use hertzscope::integrate::Method;
+use hertzscope::chain::{Chain, EndOfContact, LossKind, LossSpec};
+use hertzscope::motion::Method;
 
 use super::chains::{NEVER, diatomic, kicked, pressed, ptfe_sphere, steel_cylinder};
 
@@ -19,8 +19,8 @@ fn chain(lossy: bool) -> Chain {
     }
     let particles = (0..10).flat_map(|_| [ptfe_sphere(), steel_cylinder()]).collect();
     let mut spec = pressed(particles, 2.38, false);
-    let gamma = LossSpec { value: 2.0, overrides: Vec::new(), end: EndOfContact::ZeroOverlap };
-    spec.effects.dashpot = Some(Dashpot { gamma });
+    let dashpot = LossSpec::everywhere(2.0, EndOfContact::ZeroOverlap);
+    spec.effects = spec.effects.with_loss(LossKind::Dashpot, dashpot);
     Chain::new(&spec).expect("a chain")
 }
 

@@ -1,9 +1,10 @@
 //! Closed forms that the chain must reproduce.
 
 use hertzscope::analysis::dispersion::DiatomicChain;
-use hertzscope::chain::{Chain, ChainSpec, ChainSystem, EffectsSpec, End, ForceProbe, hertz};
+use hertzscope::chain::{Chain, ChainSpec, EffectsSpec, End, ForceProbe, hertz};
 use hertzscope::experiment::bench::Grid;
-use hertzscope::integrate::{Method, System};
+use hertzscope::motion::ChainSystem;
+use hertzscope::motion::{Method, System};
 
 use super::chains::{
     ALUMINA, NEVER, PTFE, STEEL, body, diatomic, kicked, pressed, ptfe_sphere, steel_cylinder,
@@ -208,4 +209,41 @@ fn end_forces_are_felt_at_the_ends() {
     bench.run_until(2e-3, false, &mut |_| ()).expect("a run");
     let (before, now) = bench.energies();
     assert!((now.total() / before.total() - 1.0).abs() < 1e-11);
+}
+
+/// Two beads that meet at 1 m/s each are, seen from one of them, a bead at rest that is hit at 2
+/// m/s: the same steps are stable.
+#[test]
+fn stability_depends_on_the_speed_of_approach_alone() {
+    let spec = pressed(vec![ptfe_sphere(), ptfe_sphere()], 0.0, false);
+    let chain = Chain::new(&spec).expect("a chain");
+    let limit =
+        |velocities: [f64; 2]| chain.stability_limit(&velocities, 2.0).expect("a limit").step;
+    let (both, one) = (limit([1.0, -1.0]), limit([2.0, 0.0]));
+    assert!((both / one - 1.0).abs() < 1e-12, "{both:e} and {one:e}");
+}
+
+/// A column between two walls, kicked in its middle particle: by symmetry the top wall bears what
+/// the bottom wall bears, with the opposite sign; gravity is off.
+#[test]
+fn a_probe_at_the_top_wall_is_the_mirror_image_of_one_at_the_bottom() {
+    let mut spec = pressed(vec![ptfe_sphere(); 5], 0.0, false);
+    (spec.top, spec.bottom, spec.wall_preload) = (End::Wall(STEEL), End::Wall(STEEL), 5.0);
+    let chain = Chain::new(&spec).expect("a chain");
+    let probes = [0, 5].map(|contact| ForceProbe::contact(&chain, contact).expect("a probe"));
+    assert!(probes.iter().all(|probe| (probe.static_force() - 5.0).abs() < 1e-12));
+    for method in [TIGHT, Method::DormandElMikkawyPrince86 { tolerance: 1e-12 }] {
+        let forces = |speed: f64| {
+            let samples = Grid { start: 0.0, interval: 1e-6 };
+            let mut bench = kicked(&chain, (2, speed), method, &probes, samples);
+            bench.run_until(0.3e-3, true, &mut |_| ()).expect("a run");
+            bench.watches().iter().map(|watch| watch.samples.clone()).collect::<Vec<_>>()
+        };
+        let (down, up) = (forces(0.2), forces(-0.2));
+        let largest = down[0].iter().fold(0.0_f64, |most, force| most.max(force.abs()));
+        assert!(largest > 1.0, "{largest}");
+        for (top, bottom) in down[0].iter().zip(&up[1]) {
+            assert!((top - bottom).abs() < 1e-9 * largest, "{method}: {top} and {bottom}");
+        }
+    }
 }

@@ -1,12 +1,13 @@
 //! Forces at probes: samples, first peaks and arrivals of the vector path against the contacts' own
 //! formula and the general path's segments.
 
-use hertzscope::chain::probe_step::{ProbeTracker, SAMPLE_TIMES};
-use hertzscope::chain::simd::{InstructionSet, VectorStepper};
 use hertzscope::chain::{Chain, ForceProbe};
 use hertzscope::experiment::bench::Grid;
 use hertzscope::experiment::pulse::{MIN_LEVEL_SHARE, PulseRecorder};
-use hertzscope::integrate::{Integrator, Method};
+use hertzscope::motion::force_segment::over_step;
+use hertzscope::motion::kernel::{InstructionSet, VectorStepper};
+use hertzscope::motion::probe_step::{ProbeTracker, SAMPLE_TIMES};
+use hertzscope::motion::{Integrator, Method, Scheme};
 use hertzscope::scene::Scene;
 
 use super::chains::{NEVER, diatomic, kicked};
@@ -78,7 +79,7 @@ fn steps_that_are_not_sampled_hold_nothing() {
             let mut found: Vec<PulseRecorder> = probes.iter().map(recorder).collect();
             let mut every: Vec<PulseRecorder> = probes.iter().map(recorder).collect();
             let state = chain.initial_state(velocities);
-            let scheme = method.scheme().expect("a method of the vector path");
+            let Scheme::Lossless(scheme) = method.scheme() else { panic!("a method for losses") };
             let mut stepper = VectorStepper::new(chain, &state, scheme, InstructionSet::best());
             let tracker = |probe| ProbeTracker::new(probe, &stepper, bodies);
             let mut trackers: Vec<ProbeTracker> = probes.iter().map(tracker).collect();
@@ -90,7 +91,7 @@ fn steps_that_are_not_sampled_hold_nothing() {
                 for (index, probe) in probes.iter().enumerate() {
                     trackers[index].advance(&stepper);
                     found[index].take_step(&trackers[index]);
-                    every[index].process_step(probe.over_step(&stepper, bodies));
+                    every[index].process_step(over_step(probe, &stepper, bodies));
                 }
             }
             for (particle, (found, every)) in (1..).zip(found.iter().zip(&every)) {
@@ -196,7 +197,7 @@ fn trackers_and_frames_agree_with_the_interpolants() {
             .into_iter()
             .flat_map(|m| InstructionSet::available().into_iter().map(move |set| (m, set)))
         {
-            let scheme = method.scheme().expect("a method of the vector path");
+            let Scheme::Lossless(scheme) = method.scheme() else { panic!("a method for losses") };
             // Corrections at openings leave jerks as they were, as above.
             let bound = ROUNDING + 1e-4 * method.tolerance().unwrap_or(0.0);
             let state = chain.initial_state(velocities);
@@ -210,7 +211,7 @@ fn trackers_and_frames_agree_with_the_interpolants() {
                 stepper.step(1e-3).expect("a step");
                 for (tracker, probe) in trackers.iter_mut().zip(&probes) {
                     tracker.advance(&stepper);
-                    let (whole, step) = (probe.over_step(&stepper, bodies), tracker.overlaps());
+                    let (whole, step) = (over_step(probe, &stepper, bodies), tracker.overlaps());
                     for theta in SAMPLE_TIMES.into_iter().chain([0.0, THETA]) {
                         let [force, rate] = tracker.pair().force_and_rate(&step, theta);
                         let off = (force - whole.force(theta)).abs() / scale;

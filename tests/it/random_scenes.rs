@@ -7,10 +7,11 @@ use std::fmt::Write as _;
 use hertzscope::experiment::accuracy::{doubt, run_to_accuracy};
 use hertzscope::experiment::bench::start;
 
+use hertzscope::chain::State;
 use hertzscope::experiment::outcome::{Reading, Summary};
 use hertzscope::experiment::pulse::Peak;
 use hertzscope::experiment::{self, Integration, for_accuracy, reference_tolerance};
-use hertzscope::integrate::{Method, State};
+use hertzscope::motion::Method;
 use hertzscope::scene::{Problem, Scene, SceneError};
 
 /// Scenes of each kind, unless `HERTZSCOPE_RANDOM_SCENES` says how many: `tests/run --full` runs
@@ -250,7 +251,7 @@ fn duration(random: &mut Random, scene: &Scene) -> f64 {
 fn run(scene: &Scene, end: f64, most: u64) -> Result<(State, u64, bool), String> {
     let position = vec![0.0; scene.initial_velocities.len()];
     let state = State { time: 0.0, position, velocity: scene.initial_velocities.clone() };
-    let mut integrator = start(&scene.chain, for_accuracy(scene.accuracy.unwrap_or(1e-6)), state);
+    let mut integrator = start(&scene.chain, for_accuracy(scene.accuracy), state);
     while integrator.time() < end && integrator.work().force_evaluations < most {
         integrator.step(end).map_err(|error| error.to_string())?;
     }
@@ -289,7 +290,7 @@ fn difference(found: &[Reading], exact: &[Reading], quiet: &dyn Fn(Peak) -> bool
 /// reference is taken again to a tenth of its tolerance, and what that changes is not held against
 /// the run.
 fn held(scene: &mut Scene, end: f64) -> (f64, bool) {
-    let accuracy = scene.accuracy.expect("the scene's own");
+    let accuracy = scene.accuracy;
     scene.duration = end;
     // A record about as long as the motion: longer ones would take their time, shorter ones room.
     let bases = &scene.scope.model.time_bases;
@@ -367,7 +368,7 @@ fn valid_scenes(part: u64) {
         // A step may be off by the accuracy in speed, by twice that in energy, and steps add up at
         // worst.
         let (before, after) = energies(&scene, &state);
-        let drift = (after / before - 1.0).abs() / scene.accuracy.unwrap_or(1e-6) / steps as f64;
+        let drift = (after / before - 1.0).abs() / scene.accuracy / steps as f64;
         if drift > 2.0 {
             println!("{seed}: an energy drift of {drift} accuracies a step");
             violations.push(seed);

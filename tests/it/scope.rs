@@ -220,8 +220,7 @@ fn the_shipped_recording_is_what_its_scene_gives() {
     let set = hertzscope::recording::format::open(&path).expect("a recording");
     assert!(set.problems.is_empty(), "{:?}", set.problems);
     let scene = Scene::load("gravity-0.61g").expect("its scene");
-    let fresh = run(&scene, Integration::Accuracy(scene.accuracy.expect("named")), 1, &mut |_| ())
-        .expect("a run");
+    let fresh = run(&scene, Integration::Accuracy(scene.accuracy), 1, &mut |_| ()).expect("a run");
     for (kept, made) in set.shots[0].captures.iter().zip(&fresh.shot.captures) {
         assert_eq!(kept.waveform, made.waveform);
     }

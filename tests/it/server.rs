@@ -22,7 +22,7 @@ use hertzscope::experiment::inputs::{InputWindow, inputs};
 use hertzscope::experiment::{Integration, run};
 use hertzscope::recording::mcap::{RecordingWriter, read};
 use hertzscope::scene::Scene;
-use hertzscope::server::{MOST_CONNECTIONS, ServeError, ServerOptions, Sockets, serve};
+use hertzscope::server::{MAX_CONNECTIONS_OF_PEER, ServeError, ServerOptions, Sockets, serve};
 use process::Process;
 use tokio::sync::oneshot;
 
@@ -89,6 +89,16 @@ pub fn connect(address: SocketAddr) -> Client {
     Client { stream: BufReader::new(stream) }
 }
 
+/// A connection from another address of this computer.
+fn connect_from(address: [u8; 4], server: SocketAddr) -> Client {
+    let socket = socket2::Socket::new(socket2::Domain::IPV4, socket2::Type::STREAM, None);
+    let socket = socket.expect("a socket");
+    socket.bind(&SocketAddr::from((address, 0)).into()).expect("an address of this computer");
+    socket.connect(&server.into()).expect("a connection");
+    socket.set_read_timeout(Some(LIMIT)).expect("a limit");
+    Client { stream: BufReader::new(socket.into()) }
+}
+
 impl Drop for Server {
     fn drop(&mut self) {
         drop(self.stop.take());
@@ -127,7 +137,7 @@ impl Client {
 
 pub fn scene() -> Scene {
     let mut scene = Scene::load("magnet-0.61g").expect("the default scene");
-    scene.accuracy = Some(1e-3);
+    scene.accuracy = 1e-3;
     scene
 }
 
@@ -155,6 +165,21 @@ fn two_clients_share_the_instrument() {
     assert_eq!(panel, format!("{time_base};NORMAL;{a};{b};{c};{d}\n"));
     assert_eq!(one.ask("CH1:SCALE 2;SCALE?"), "2.0E0\n");
     assert_eq!(two.ask("CH1:SCALE?"), ":CH1:SCALE 2.0E0\n");
+}
+
+/// What a client has set of its connection is its own: headers, words, terminator, what it has
+/// begun to send.
+#[test]
+fn a_new_client_starts_with_nothing_of_another() {
+    let server = Server::at_rest();
+    let mut one = server.connect();
+    one.send(b"HEAD ON;VERB OFF;:RS232:TRAN:TERM CRLF;:CH1:SCA?\n");
+    assert_eq!(one.line(), ":CH1:SCA 1.0E0\r\n");
+    one.send(b"CH1:SCA 2;");
+    let mut two = server.connect();
+    assert_eq!(two.ask("CH1:SCA?"), "1.0E0\n");
+    assert_eq!(two.ask("TRIG:MAI:EDGE:SLO?"), "RISE\n");
+    assert_eq!(one.ask("CH1:SCA?"), ":CH1:SCA 2.0E0\r\n");
 }
 
 #[test]
@@ -261,12 +286,15 @@ fn who_sends_no_more_is_still_answered() {
 #[test]
 fn connections_are_limited() {
     let server = Server::at_rest();
-    let mut clients: Vec<Client> = (0..MOST_CONNECTIONS).map(|_| server.connect()).collect();
+    let mut clients: Vec<Client> = (0..MAX_CONNECTIONS_OF_PEER).map(|_| server.connect()).collect();
     for client in &mut clients {
         assert_eq!(client.ask("*IDN?"), IDENTITY);
     }
     assert!(server.connect().is_closed());
     assert_eq!(clients[0].ask("*IDN?"), IDENTITY);
+    // Another computer has its own share.
+    let mut other = connect_from([127, 0, 0, 2], server.address);
+    assert_eq!(other.ask("*IDN?"), IDENTITY);
     drop(clients);
     // Room again, as soon as the server knows.
     let answers = |mut client: Client| {

@@ -1,11 +1,9 @@
 //! The VXI-11 protocol without a network. Numbers are those of VXI-11 (1995), appendix C, and of
 //! RFC 5531 and 1833.
 
-use std::net::{IpAddr, Ipv4Addr, SocketAddrV4};
-
 use hertzscope::lan::Device as _;
 use hertzscope::lan::lock::Grant;
-use hertzscope::vxi11::{Interrupt, MAX_LINKS, Vxi11Server, port_mapper};
+use hertzscope::vxi11::{MAX_LINKS_OF_CONNECTION, Vxi11Server, port_mapper};
 
 use crate::hislip::partner::Fake;
 
@@ -66,7 +64,7 @@ impl Lab {
     fn connect(&mut self) -> u64 {
         let number = self.inboxes.len() as u64;
         self.inboxes.push(Default::default());
-        self.server.opened(number, IpAddr::V4(Ipv4Addr::new(10, 0, 0, 9)));
+        self.server.opened(number);
         number
     }
 
@@ -275,39 +273,73 @@ fn locks_bind_both_protocols() {
     assert_eq!(lab.ask(two.0, LOCK, &words(&[two.1, 0, 0])), words(&[0]));
 }
 
+/// Interrupt channels are not offered; a new reason for service shows in the status byte until it is
+/// polled.
 #[test]
-fn a_service_request_goes_to_the_client() {
+fn service_requests_show_in_the_status_byte() {
     let mut lab = Lab::new();
     let link = lab.link();
-    let channel = |address: [u8; 4], family| {
-        words(&[u32::from_be_bytes(address), 999, 0x0006_07B1, 1, family])
-    };
-    assert_eq!(lab.ask(link.0, DESTROY_INTERRUPT, &[]), words(&[6]));
-    assert_eq!(lab.ask(link.0, CREATE_INTERRUPT, &channel([10, 0, 0, 8], 0)), words(&[21]));
-    assert_eq!(lab.ask(link.0, CREATE_INTERRUPT, &channel([10, 0, 0, 9], 1)), words(&[8]), "UDP");
-    let address = SocketAddrV4::new(Ipv4Addr::new(10, 0, 0, 9), 999);
-    for is_open in [false, true] {
-        lab.send(link.0, CREATE_INTERRUPT, &channel([10, 0, 0, 9], 0));
-        assert_eq!(lab.server.take_interrupts(), [Interrupt::Connect(link.0, address)]);
-        assert_eq!(lab.sent(link.0), Vec::<u8>::new(), "until it is there");
-        lab.server.interrupt_channel(link.0, is_open);
-        lab.advance(0.0);
-        assert_eq!(lab.results(link.0), words(&[if is_open { 0 } else { 6 }]));
-    }
-    assert_eq!(lab.ask(link.0, CREATE_INTERRUPT, &channel([10, 0, 0, 9], 0)), words(&[29]));
+    let channel = words(&[0x0A00_0009, 999, 0x0006_07B1, 1, 0]);
+    assert_eq!(lab.ask(link.0, CREATE_INTERRUPT, &channel), words(&[8]));
+    assert_eq!(lab.ask(link.0, DESTROY_INTERRUPT, &[]), words(&[8]));
     let enable = [words(&[link.1, 1]), opaque(b"mine")].concat();
-    assert_eq!(lab.ask(link.0, ENABLE_SRQ, &enable), words(&[0]));
+    assert_eq!(lab.ask(link.0, ENABLE_SRQ, &enable), words(&[8]));
     (lab.fake.event, lab.fake.enabled) = (true, 32);
     lab.advance(0.1);
     lab.advance(0.2);
-    let told = [words(&[1, 0, 2, 0x0006_07B1, 1, 30, 0, 0, 0, 0]), opaque(b"mine")].concat();
-    assert_eq!(lab.server.take_interrupts(), [Interrupt::Send(link.0, record(&told))], "once");
     for byte in [32 | 64, 32] {
         let polled = lab.ask(link.0, READ_STB, &words(&[link.1, 0, 0, 0]));
         assert_eq!(polled, words(&[0, byte]), "bit 6 until it is polled");
     }
-    assert_eq!(lab.ask(link.0, DESTROY_INTERRUPT, &[]), words(&[0]));
-    assert_eq!(lab.server.take_interrupts(), [Interrupt::Close(link.0)]);
+}
+
+/// A device trigger may have a reply, which the next read brings.
+#[test]
+fn a_device_trigger_has_a_reply() {
+    let mut lab = Lab::new();
+    let link = lab.link();
+    lab.fake.triggered = b"0;READY\n".to_vec();
+    assert_eq!(lab.ask(link.0, TRIGGER, &words(&[link.1, 0, 0, 0])), words(&[0]));
+    assert_eq!(lab.read(link, 100, 0), (0, 4, b"0;READY\n".to_vec()));
+}
+
+/// Data above the `maxRecvSize` that the link was told (64 KiB) are error 5, parameter error; the
+/// link goes on.
+#[test]
+fn too_long_a_write_is_a_parameter_error() {
+    let mut lab = Lab::new();
+    let link = lab.link();
+    for length in [64 * 1024 + 4, 70_000, 3_000_000] {
+        let arguments = [words(&[link.1, 0, 0, END]), opaque(&vec![b'x'; length])].concat();
+        assert_eq!(lab.ask(link.0, WRITE, &arguments), words(&[5, 0]), "{length}");
+    }
+    lab.write(link, END, b"alive?");
+    assert_eq!(lab.read(link, 100, 0).2, b"alive\n");
+}
+
+/// Idle connections give way to new links, the one that has been idle for longest first; one that
+/// calls or waits stays.
+#[test]
+fn idle_links_give_way() {
+    let mut lab = Lab::new();
+    let waits = lab.link();
+    let idle: Vec<u64> = (0..4).map(|_| lab.connect()).collect();
+    let create = [words(&[1, 0, 0]), opaque(b"inst0")].concat();
+    for at in &idle {
+        let links =
+            if *at == idle[0] { MAX_LINKS_OF_CONNECTION - 1 } else { MAX_LINKS_OF_CONNECTION };
+        (0..links).for_each(|_| _ = lab.link_on(*at));
+    }
+    assert_eq!(lab.ask(idle[3], CREATE_LINK, &create), words(&[9, 0, 0, 0]), "one has its share");
+    lab.send(waits.0, READ, &words(&[waits.1, 1, 60_000, 0, 0, 0]));
+    let new = lab.connect();
+    assert_eq!(lab.ask(new, CREATE_LINK, &create), words(&[9, 0, 0, 0]), "none is idle yet");
+    lab.advance(0.6);
+    lab.ask(idle[0], 0, &[]);
+    lab.advance(1.1);
+    lab.link_on(new);
+    assert!(lab.is_closed(idle[1]), "the oldest");
+    assert!([waits.0, idle[0], idle[2], idle[3]].iter().all(|at| !lab.is_closed(*at)));
 }
 
 #[test]
@@ -316,7 +348,7 @@ fn links_have_names_owners_and_an_end() {
     let (at, other) = (lab.connect(), lab.link());
     let create = |name: &[u8]| [words(&[1, 0, 0]), opaque(name)].concat();
     assert_eq!(lab.ask(at, CREATE_LINK, &create(b"gpib0,7")), words(&[3, 0, 0, 0]));
-    let links: Vec<u32> = (1..MAX_LINKS).map(|_| lab.link_on(at)).collect();
+    let links: Vec<u32> = (0..MAX_LINKS_OF_CONNECTION).map(|_| lab.link_on(at)).collect();
     assert_eq!(lab.ask(at, CREATE_LINK, &create(b"INST0")), words(&[9, 0, 0, 0]));
     assert_eq!(lab.ask(at, DESTROY_LINK, &words(&[other.1])), words(&[4]), "another client's");
     assert_eq!(lab.ask(at, READ_STB, &words(&[other.1, 0, 0, 0])), words(&[4, 0]));
@@ -326,7 +358,7 @@ fn links_have_names_owners_and_an_end() {
     assert_eq!(lab.link_on(at), links[0]);
     lab.server.closed(at, &mut lab.fake);
     let closed = lab.fake.log.iter().filter(|line| line.starts_with("close ")).count();
-    assert_eq!(closed, MAX_LINKS, "all but the other client's, one of them twice");
+    assert_eq!(closed, MAX_LINKS_OF_CONNECTION + 1, "all of its own, one of them twice");
 }
 
 /// Refusals of RFC 5531, section 9; the connection goes on.
@@ -343,13 +375,13 @@ fn what_does_not_exist_is_refused() {
     assert_eq!(refused(&call(CORE, 2, 10, &[])), words(&[7, 1, 0, 0, 0, 2, 1, 1]), "version");
     assert_eq!(refused(&call(CORE, 1, 21, &[])), words(&[7, 1, 0, 0, 0, 3]), "procedure");
     assert_eq!(refused(&call(CORE, 1, 12, &[0; 20])), words(&[7, 1, 0, 0, 0, 4]), "arguments");
-    let lying = [words(&[1, 0, 0, 0]), words(&[u32::MAX])].concat();
-    assert_eq!(refused(&call(CORE, 1, WRITE, &lying)), words(&[7, 1, 0, 0, 0, 4]), "a length");
+    let short = [words(&[1, 0, 0, 0]), words(&[100])].concat();
+    assert_eq!(refused(&call(CORE, 1, WRITE, &short)), words(&[7, 1, 0, 0, 0, 4]), "a length");
     assert_eq!(refused(&words(&[7, 0, 3, CORE, 1, 0, 0, 0, 0, 0])), words(&[7, 1, 1, 0, 2, 2]));
     assert!(!lab.is_closed(at));
 }
 
-/// What is no call, or too long to be one, ends its connection and no other.
+/// What is no call, or too long to be passed over, ends its connection and no other.
 #[test]
 fn garbage_ends_its_own_connection() {
     let mut lab = Lab::new();
@@ -361,10 +393,12 @@ fn garbage_ends_its_own_connection() {
         lab.bytes(at, bytes);
         assert!(lab.is_closed(at) && lab.sent(at).is_empty(), "{bytes:?}");
     }
-    // Many fragments, none of which is the last one.
+    // Many fragments, of which the last one comes late: a call that is none.
     let at = lab.connect();
-    let fragment = [words(&[1024]), vec![0; 1024]].concat();
+    let fragment = [words(&[1024]), vec![0xFF; 1024]].concat();
     (0..70).for_each(|_| lab.bytes(at, &fragment));
+    assert!(!lab.is_closed(at));
+    lab.bytes(at, &record(b""));
     assert!(lab.is_closed(at));
     // A client that goes on sending while its call waits.
     let (at, number) = lab.link();

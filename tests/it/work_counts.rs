@@ -9,10 +9,11 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
+use hertzscope::chain::State;
 use hertzscope::experiment::bench::{Bench, Grid};
 use hertzscope::experiment::outcome::{Reading, Summary};
 use hertzscope::experiment::{Integration, for_accuracy, run};
-use hertzscope::integrate::{Method, State};
+use hertzscope::motion::Method;
 use hertzscope::scene::Scene;
 use serde_json::{Map, Value, json};
 

@@ -7,8 +7,9 @@ use serde::Serialize;
 
 use super::roots::{find_negative, highest, may_decrease};
 use super::segment::{Bracket, ForceHistory, Rise, Segment};
-use crate::chain::probe_step::{ContactPair, ForceSamples, ProbeTracker, SAMPLE_TIMES};
-use crate::chain::{ForceProbe, ForceSegment};
+use crate::chain::ForceProbe;
+use crate::motion::ForceSegment;
+use crate::motion::probe_step::{ContactPair, ForceSamples, ProbeTracker, SAMPLE_TIMES};
 
 /// A force that rises from zero has no maximum between two looks that exceeds the larger of them by
 /// more than this factor: looks are a fifteenth of the fastest oscillation apart, or the step would

@@ -1,8 +1,8 @@
 //! Readings of a recorder at the end of a run.
 
 use super::{PEAK_SHARE, PassedOver, Peak, PulseRecorder};
-use crate::chain::probe_step::SAMPLE_TIMES;
 use crate::experiment::segment::Rise;
+use crate::motion::probe_step::SAMPLE_TIMES;
 use crate::numeric::roots::root;
 
 impl PulseRecorder {

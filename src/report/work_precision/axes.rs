@@ -5,13 +5,12 @@ use crate::studies::cost::{ChosenMethod, CostStudy, Point};
 
 /// Letters and colours of the methods, on paper and in a terminal (SGR codes): the same in every
 /// study.
-pub(super) const MARKS: [MethodMark; 9] = [
+pub(super) const MARKS: [MethodMark; 8] = [
     ("velocity-verlet", 'v', "#4477aa", 34),
     ("force-gradient", 'f', "#999933", 33),
     ("runge-kutta-4", 'r', "#aa3377", 35),
     ("two-step-force-gradient", 'g', "#00aa99", 36),
     ("dormand-el-mikkawy-prince-86", '8', "#ee6677", 31),
-    ("dormand-el-mikkawy-prince-86, uncorrected", 'y', "#444444", 90),
     ("dormand-prince-54", '5', "#882255", 95),
     ("dormand-prince-853", 'd', "#332288", 94),
     ("rodas", 's', "#888888", 32),

@@ -18,8 +18,8 @@ use terminal::plot;
 const TERMINAL_PLOTS: usize = 2;
 
 /// Explanation of the methods' table.
-const METHOD_LEGEND: &str = "failed: runs that ended in an error or lost a pulse; given up: runs that would take too many evaluations; uncorrected: without the \
-    correction where contacts open and close, drawn in pictures only; errors below the reference's own, last line, are not resolved";
+const METHOD_LEGEND: &str = "failed: runs that ended in an error or lost a pulse; given up: runs that would take too many evaluations; \
+    errors below the reference's own, last line, are not resolved";
 
 /// The page that `cost` prints: what accuracy costs in time, then errors against `work`; in
 /// `colour` for a terminal.
@@ -39,10 +39,8 @@ pub fn work_precision(study: &CostStudy, work: WorkMeasure, colour: bool) -> Str
             study.points.iter().filter(|p| p.method == method).filter(is).count()
         };
         let (failed, given_up) = (of(|p| p.failed), of(|p| p.given_up));
-        // The pair without corrections follows the one with them.
-        let name = method.split_once(", ").map(|(_, how)| format!("the same, {how}"));
         rows.push(vec![
-            name.unwrap_or_else(|| method.to_owned()),
+            method.to_owned(),
             mark.to_string(),
             order.map_or(String::new(), |o| o.nominal.to_string()),
             order.and_then(observed).unwrap_or_else(|| "-".to_owned()),
@@ -73,9 +71,8 @@ fn reference(study: &CostStudy) -> String {
 fn sources(study: &CostStudy) -> Vec<String> {
     let mut all: Vec<(&str, &str)> = Vec::new();
     for order in &study.orders {
-        let name = order.method.split(',').next().unwrap_or(order.method);
-        if all.last().is_none_or(|(last, _)| *last != name) {
-            all.push((name, order.source));
+        if all.last().is_none_or(|(last, _)| *last != order.method) {
+            all.push((order.method, order.source));
         }
     }
     let lines =
@@ -109,26 +106,21 @@ fn warnings(study: &CostStudy) -> Vec<String> {
     missed.into_iter().chain(unclear).chain(late).flatten().collect()
 }
 
-/// One row an accuracy: errors, times, and how many times the row above a run takes.
+/// One row an accuracy: errors and times.
 fn choices(study: &CostStudy) -> Vec<String> {
-    let heading =
-        ["asked", "peaks", "arrivals", "traces", "time", "with checks", "speed", "row above"];
+    let heading = ["asked", "peaks", "arrivals", "traces", "time", "least", "with checks", "speed"];
     let words = |error: Option<f64>| error.map_or("-".to_owned(), |e| format!("{e:.1e}"));
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
-    let mut before: Option<f64> = None;
     for chosen in &study.chosen {
-        let times = before
-            .map_or("-".to_owned(), |before| format!("{:.2} x", chosen.wall_s_median / before));
-        before = Some(chosen.wall_s_median);
         rows.push(vec![
             format!("{:e}", chosen.accuracy),
             words(chosen.error_peak),
             words(chosen.error_arrival),
             words(chosen.error_trace),
             engineering(chosen.wall_s_median, "s", 2),
+            engineering(chosen.wall_s_min, "s", 2),
             engineering(chosen.wall_held_s_median, "s", 2),
             format!("{:.2}", chosen.simulated_over_wall),
-            times,
         ]);
     }
     // The method stands above what it was chosen for.
@@ -143,7 +135,7 @@ fn choices(study: &CostStudy) -> Vec<String> {
         lines.push(line);
     }
     lines.extend(wrapped(
-        "asked: --accuracy; errors relative, of traces relative to the largest force; time: median of one run, with the scope and what it records; with checks: and the runs that estimate its error; speed: simulated over wall time; row above: time over that of the row above",
+        "asked: --accuracy; errors relative, of traces relative to the largest force; time: median of one run; least: its shortest time, which a busy machine disturbs least; with checks: median with the runs that estimate the error; speed: simulated over wall time",
         TERMINAL_WIDTH,
     ));
     let level = study.level.map(|level| format!("one scope level is {level:.1e} of a first peak"));

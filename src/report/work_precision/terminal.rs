@@ -10,11 +10,9 @@ const CHOSEN_MARK: char = '●';
 /// Most methods of a plot: more cannot be told apart.
 const MAX_METHODS: usize = 7;
 
-/// Methods of the plots, those without a comma in their names first: variants are left to the
-/// picture.
+/// Methods of the plots.
 pub fn shown(study: &CostStudy) -> Vec<MethodMark> {
-    let plain = marks(study).into_iter().filter(|(method, ..)| !method.contains(','));
-    plain.take(MAX_METHODS).collect()
+    marks(study).into_iter().take(MAX_METHODS).collect()
 }
 
 /// One kind of error against work; in `colour` by SGR codes.

@@ -1,11 +1,11 @@
 //! The bench behind the instrument: `BENCh`. No real oscilloscope has these commands.
 
-use crate::instrument::Event;
-use crate::instrument::limits;
+use crate::instrument::{BenchAccess, Event};
+use crate::scope::limits;
 use crate::scpi::argument::{flag, none, only, real};
 use crate::scpi::message::Argument;
-use crate::scpi::row::{CommandRow, Group};
-use crate::scpi::setting::{Context, Parts, Stop, both, group, query};
+use crate::scpi::table::Setting::{Both, Query};
+use crate::scpi::table::{Context, Deferred, Group, Parts, Setting, own};
 use crate::scpi::value;
 use crate::scpi::value::ReplyValue;
 use crate::trace::Trace;
@@ -15,63 +15,63 @@ use crate::trace::Trace;
 pub const GROUP: Group = Group {
     title: "The bench behind the instrument (not Tektronix's)",
     rows: &[
-        CommandRow::own("BENCh", group(Parts::Below), "all of this"),
-        CommandRow::own(
+        own("BENCh", Setting::Group(Parts::Below), "all of this"),
+        own(
             "BENCh:IMPact",
-            both(strike, |at| Ok(ReplyValue::integer(at.instrument.bench.impacts))),
+            Both(strike, |c| Ok(ReplyValue::integer(c.instrument.bench.impacts))),
             "strikes the chain as soon as the part of the record before the trigger is full; the query counts impacts",
         ),
-        CommandRow::own("BENCh:STRIker", group(Parts::Below), "mass and speed of the striker"),
-        CommandRow::own(
+        own("BENCh:STRIker", Setting::Group(Parts::Below), "mass and speed of the striker"),
+        own(
             "BENCh:STRIker:MASS",
-            both(set_striker_mass, |at| number(at, at.instrument.bench.scene.striker_mass)),
+            Both(set_striker_mass, |c| number(c, c.instrument.bench.scene.striker_mass)),
             "mass of the striker in kg, 1E-5 to 0.1",
         ),
-        CommandRow::own(
+        own(
             "BENCh:STRIker:SPEed",
-            both(set_striker_speed, |at| number(at, at.instrument.bench.scene.striker_speed)),
+            Both(set_striker_speed, |c| number(c, c.instrument.bench.scene.striker_speed)),
             "speed of the striker in m/s, 1E-3 to 10, around which a scene may spread it",
         ),
-        CommandRow::own(
+        own(
             "BENCh:MAGNet:FORCe",
-            both(set_magnet_force, |at| number(at, at.instrument.bench.scene.magnet_force)),
+            Both(set_magnet_force, |c| number(c, c.instrument.bench.scene.magnet_force)),
             "force of the magnet in N, 0 to 100",
         ),
-        CommandRow::own(
+        own(
             "BENCh:SCENe",
-            both(set_scene, |at| {
-                present(at)?;
-                Ok(ReplyValue::Text(at.instrument.bench.scene.name.clone()))
+            Both(set_scene, |c| {
+                present(c)?;
+                Ok(ReplyValue::Text(c.instrument.bench.scene.name.clone()))
             }),
             "the scene that the bench is set up as: one that ships with the program, or the one that is served; the front panel stays as it is",
         ),
-        CommandRow::own(
+        own(
             "BENCh:CH<x>:FINe",
-            both(set_fine, |at| {
-                let fine = at.instrument.panel.channel(at.place.number).fine;
+            Both(set_fine, |c| {
+                let fine = c.instrument.panel.channel(c.suffix.number).fine;
                 Ok(ReplyValue::on_or_off(fine))
             }),
             "Volts/Div of a channel's menu: `ON` is fine, and `CH<x>:SCAle` takes what stands between the steps; `OFF` is coarse",
         )
         .apart(),
-        CommandRow::own(
+        own(
             "BENCh:FAUlt",
-            both(set_fault, |at| {
-                present(at)?;
-                Ok(ReplyValue::Text(at.instrument.bench.faults.text()))
+            Both(set_fault, |c| {
+                present(c)?;
+                Ok(ReplyValue::Text(c.instrument.bench.faults.text()))
             }),
             "adds a fault, e.g. `\"late=500ms\"` (`hertzscope serve --help` lists them); `\"none\"` ends all",
         )
         .apart(),
-        CommandRow::own(
+        own(
             "BENCh:CH<x>:FORCe",
-            query(forces),
+            Query(forces),
             "true force at the channel's sensor in the last impact: a block of 64-bit numbers in N, least significant byte first; none without a sensor or an impact",
         )
         .apart(),
-        CommandRow::own(
+        own(
             "BENCh:CH<x>:FORCe:TIMe",
-            query(force_times),
+            Query(force_times),
             "of these forces: time of the first, after the trigger or, without one, the striker's first contact, and interval, in s",
         )
         .apart(),
@@ -79,67 +79,82 @@ pub const GROUP: Group = Group {
 };
 
 /// Whether there is a bench at all.
-fn present(at: &Context<'_>) -> Result<(), Event> {
-    if at.instrument.bench.scenes.is_empty() { Err(Event::HardwareMissing) } else { Ok(()) }
+fn present(context: &Context<'_>) -> Result<(), Event> {
+    if context.instrument.bench.scenes.is_empty() { Err(Event::HardwareMissing) } else { Ok(()) }
 }
 
-fn number(at: &Context<'_>, setting: Option<f64>) -> Result<ReplyValue, Stop> {
-    present(at)?;
+fn number(context: &Context<'_>, setting: Option<f64>) -> Result<ReplyValue, Deferred> {
+    present(context)?;
     Ok(ReplyValue::Number(setting.ok_or(Event::SettingsConflict)?))
 }
 
+/// Whether clients may change the bench.
+fn changeable(context: &Context<'_>) -> Result<(), Event> {
+    present(context)?;
+    match context.instrument.bench.access {
+        BenchAccess::Full | BenchAccess::NoFaults => Ok(()),
+        BenchAccess::ReadOnly => Err(Event::HardwareMissing),
+    }
+}
+
 /// The result of a setting that this bench may not have.
-fn set(at: &Context<'_>, is_there: bool) -> Result<(), Stop> {
-    present(at)?;
+fn set(is_there: bool) -> Result<(), Deferred> {
     if is_there { Ok(()) } else { Err(Event::SettingsConflict.into()) }
 }
 
-fn strike(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn strike(context: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Deferred> {
     none(arguments)?;
-    present(at)?;
-    at.instrument.bench.ask_for_impact();
+    changeable(context)?;
+    context.instrument.bench.ask_for_impact();
     Ok(())
 }
 
-fn set_striker_mass(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
-    let is_there = at.instrument.bench.set_striker_mass(real(arguments)?);
-    set(at, is_there)
+fn set_striker_mass(context: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Deferred> {
+    changeable(context)?;
+    set(context.instrument.bench.set_striker_mass(real(arguments)?))
 }
 
-fn set_striker_speed(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
-    let is_there = at.instrument.bench.set_striker_speed(real(arguments)?);
-    set(at, is_there)
+fn set_striker_speed(context: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Deferred> {
+    changeable(context)?;
+    set(context.instrument.bench.set_striker_speed(real(arguments)?))
 }
 
-fn set_magnet_force(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
-    let is_there = at.instrument.bench.set_magnet_force(real(arguments)?);
-    set(at, is_there)
+fn set_magnet_force(context: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Deferred> {
+    changeable(context)?;
+    set(context.instrument.bench.set_magnet_force(real(arguments)?))
 }
 
-fn set_fine(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_fine(context: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Deferred> {
     let fine = flag(arguments)?;
-    let model = &at.instrument.model;
-    let channel = at.instrument.panel.channel_mut(at.place.number);
+    let model = &context.instrument.model;
+    let channel = context.instrument.panel.channel_mut(context.suffix.number);
     channel.fine = fine;
     limits::turn_scale(model, channel, channel.vertical.scale);
     Ok(())
 }
 
-fn set_scene(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_scene(context: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Deferred> {
     let name = match only(arguments)? {
         Argument::Word(name) | Argument::Text(name) => name,
         Argument::Block(_) => return Err(Event::DataType.into()),
     };
-    present(at)?;
-    if at.instrument.bench.set_scene(name) { Ok(()) } else { Err(Event::IllegalParameter.into()) }
+    changeable(context)?;
+    if context.instrument.bench.set_scene(name) {
+        Ok(())
+    } else {
+        Err(Event::IllegalParameter.into())
+    }
 }
 
-fn set_fault(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
+fn set_fault(context: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Deferred> {
     let (Argument::Word(text) | Argument::Text(text)) = only(arguments)? else {
         return Err(Event::DataType.into());
     };
-    present(at)?;
-    let faults = &mut at.instrument.bench.faults;
+    changeable(context)?;
+    if context.instrument.bench.access == BenchAccess::NoFaults {
+        return Err(Event::HardwareMissing.into());
+    }
+    let faults = &mut context.instrument.bench.faults;
     if text.eq_ignore_ascii_case("none") {
         faults.clear();
     } else {
@@ -149,22 +164,23 @@ fn set_fault(at: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Stop> {
 }
 
 /// The true force of the channel that is asked for, if it has a sensor and there was an impact.
-fn true_force<'a>(at: &'a Context<'_>) -> Option<&'a Trace> {
-    let channel = usize::from(at.place.number).checked_sub(1)?;
-    at.instrument.bench.forces.get(channel)?.as_ref()
+fn true_force<'a>(context: &'a Context<'_>) -> Option<&'a Trace> {
+    let channel = usize::from(context.suffix.number).checked_sub(1)?;
+    context.instrument.bench.forces.get(channel)?.as_ref()
 }
 
-fn forces(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
-    present(at)?;
-    let values = true_force(at).map(|force| force.values.as_slice()).unwrap_or_default();
+fn forces(context: &mut Context<'_>) -> Result<ReplyValue, Deferred> {
+    present(context)?;
+    let values = true_force(context).map(|force| force.values.as_slice()).unwrap_or_default();
     let bytes: Vec<u8> = values.iter().flat_map(|newtons| newtons.to_le_bytes()).collect();
     Ok(ReplyValue::block(&bytes))
 }
 
-fn force_times(at: &mut Context<'_>) -> Result<ReplyValue, Stop> {
-    present(at)?;
-    let zero = at.instrument.bench.triggered_at.unwrap_or(0.0);
-    let times = true_force(at).map_or((0.0, 0.0), |force| (force.start - zero, force.interval));
+fn force_times(context: &mut Context<'_>) -> Result<ReplyValue, Deferred> {
+    present(context)?;
+    let zero = context.instrument.bench.triggered_at.unwrap_or(0.0);
+    let times =
+        true_force(context).map_or((0.0, 0.0), |force| (force.start - zero, force.interval));
     let (start, interval) = (value::setting(times.0), value::setting(times.1));
     Ok(ReplyValue::Plain(format!("{start},{interval}")))
 }

@@ -1,44 +1,30 @@
-//! The table of commands, one file a group.
+//! The table of commands: front panel, waveforms, status and service, bench.
 
-mod acquire;
 mod bench;
-mod calibration;
-mod cursor;
-mod curve;
-mod data;
-mod display;
-mod hard_copy;
-mod horizontal;
-mod math;
-mod measurement;
-mod miscellaneous;
-mod rs232;
-mod save;
-mod status;
-mod trigger;
-mod vertical;
+mod front_panel;
+mod service;
 mod waveform;
 
-use super::row::Group;
+use super::table::Group;
 
 /// Every command. Where two headers begin alike, the first one takes what both would.
 pub const GROUPS: &[Group] = &[
-    acquire::GROUP,
-    calibration::GROUP,
-    cursor::GROUP,
-    display::GROUP,
-    hard_copy::GROUP,
-    horizontal::GROUP,
-    math::GROUP,
-    measurement::GROUP,
-    miscellaneous::GROUP,
-    rs232::GROUP,
-    save::GROUP,
-    status::GROUP,
-    trigger::GROUP,
-    vertical::GROUP,
-    data::GROUP,
-    waveform::GROUP,
-    curve::GROUP,
+    front_panel::ACQUISITION,
+    service::CALIBRATION,
+    front_panel::CURSOR,
+    front_panel::DISPLAY,
+    service::HARD_COPY,
+    front_panel::HORIZONTAL,
+    front_panel::MATH,
+    front_panel::MEASUREMENT,
+    service::MISCELLANEOUS,
+    service::RS232,
+    service::SAVE_AND_RECALL,
+    service::STATUS,
+    front_panel::TRIGGER,
+    front_panel::VERTICAL,
+    waveform::TRANSFER,
+    waveform::PREAMBLE,
+    waveform::POINTS,
     bench::GROUP,
 ];

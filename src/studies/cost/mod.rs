@@ -4,7 +4,8 @@
 //! range of settings. First peaks, arrivals and traces are compared with a reference from another
 //! family of methods than those that `--accuracy` goes by, as far as one comes to an end, which
 //! carries its own error bar: the difference to a second tight solution. Force evaluations are
-//! exact; wall times are informative, median and minimum of several runs.
+//! exact; wall times are informative, median and minimum of several rounds: each round takes every
+//! point once, so that a busy spell of the machine touches all of them alike.
 
 mod points;
 mod table;
@@ -13,11 +14,11 @@ pub use table::{ChosenMethod, Order, Point, Reference};
 
 use serde::Serialize;
 
-use crate::experiment::comparison::level;
+use crate::experiment::estimate::level;
 use crate::numeric::intervals::student_95;
 use crate::numeric::statistics::StraightLine;
 use crate::scene::Scene;
-use points::{choice, name, point, reference, settings};
+use points::{ChoiceTimes, WallTimes, choice, point, reference, settings};
 
 /// Default number of timed runs of each point.
 pub const TIMED_RUNS: u16 = 10;
@@ -75,38 +76,59 @@ impl CostStudy {
 /// The integrator's error where even the reference fails, in words.
 pub fn study(scene: &Scene, runs: u16, progress: &mut dyn FnMut(f64)) -> Result<CostStudy, String> {
     let (exact, reference) = reference(scene)?;
-    if exact.readings.iter().all(|reading| reading.first_peak.is_none()) {
+    let readings = exact.readings();
+    if readings.iter().all(|reading| reading.first_peak.is_none()) {
         return Err("no pulse at any sensor or the wall to compare".to_owned());
     }
     let settings = settings(scene);
-    let all = settings.len() + decades().count();
-    let mut report = |done: usize| progress(done as f64 / all as f64);
-    let mut points: Vec<Point> = Vec::new();
-    for (done, treated) in settings.iter().enumerate() {
-        report(done);
+    let all = (settings.len() + decades().count()) * usize::from(runs.max(1));
+    let mut done = 0;
+    let mut report = || {
+        progress(f64::from(done) / all as f64);
+        done += 1;
+    };
+    let mut points: Vec<(Point, WallTimes)> = Vec::new();
+    for method in &settings {
+        report();
         // A method that has taken too much will take no less with a tighter tolerance.
-        let before = points.last().filter(|last| last.method == name(*treated) && last.given_up);
+        let last = points.last().map(|(point, _)| point);
+        let before = last.filter(|last| last.method == method.name() && last.given_up);
         points.push(match before {
             Some(before) => {
-                let failed = Point::failed(scene, *treated, before.force_evaluations);
-                Point { given_up: true, ..failed }
+                let failed = Point::failed(scene, *method, before.force_evaluations);
+                (Point { given_up: true, ..failed }, WallTimes::default())
             }
-            None => point(scene, *treated, &exact, runs),
+            None => point(scene, *method, &exact),
         });
     }
-    let mut chosen = Vec::new();
-    for (done, accuracy) in decades().enumerate() {
-        report(settings.len() + done);
-        chosen.push(choice(scene, accuracy, &exact, runs).map_err(|error| error.to_string())?);
+    let mut chosen: Vec<(ChosenMethod, ChoiceTimes)> = Vec::new();
+    for accuracy in decades() {
+        report();
+        chosen.push(choice(scene, accuracy, &exact).map_err(|error| error.to_string())?);
     }
-    let earliest = exact.readings.iter().filter_map(|r| r.half_rise_s).fold(f64::MAX, f64::min);
+    for _ in 1..runs {
+        for ((point, walls), method) in points.iter_mut().zip(&settings) {
+            report();
+            if point.wall_s_min > 0.0 && walls.allow_another() {
+                point.time_again(scene, *method, walls);
+            }
+        }
+        for (chosen, times) in &mut chosen {
+            report();
+            if times.all.allow_another() {
+                chosen.time_again(scene, times);
+            }
+        }
+    }
+    let points: Vec<Point> = points.into_iter().map(|(point, _)| point).collect();
+    let earliest = readings.iter().filter_map(|r| r.half_rise_s).fold(f64::MAX, f64::min);
     Ok(CostStudy {
         scene: scene.name.clone(),
         orders: orders(&points, reference.error),
         reference,
         points,
-        chosen,
-        level: level(scene, &exact),
+        chosen: chosen.into_iter().map(|(chosen, _)| chosen).collect(),
+        level: level(&exact),
         sample: scene.scope.model.sample_interval(scene.scope.time_base) / earliest,
     })
 }

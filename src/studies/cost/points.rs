@@ -3,18 +3,15 @@
 use std::time::{Duration, Instant};
 
 use super::{ChosenMethod, Point, Reference};
-use crate::chain::simd::Refinement;
-use crate::experiment::accuracy::run_to_accuracy;
-use crate::experiment::comparison::{
-    Run, Treated, arrival_error, compare, peak_error, run_without, trace_error, worst,
-};
-use crate::experiment::outcome::ErrorEstimate;
-use crate::experiment::reference::errors;
+use crate::experiment::accuracy::climb;
+use crate::experiment::bench::Grid;
+use crate::experiment::estimate::{arrival_error, largest_error, peak_error, trace_error};
+use crate::experiment::run::Run;
 use crate::experiment::{Integration, RunError, method};
-use crate::integrate::{IntegrateError, Method, Scheme};
+use crate::motion::{IntegrateError, Method};
 use crate::scene::Scene;
 
-/// Runs of an accuracy are not repeated for longer than this: the study takes seconds.
+/// A point that has taken longer than this in all is not timed again: the study takes seconds.
 const TIMING_BUDGET: Duration = Duration::from_millis(300);
 /// Points that would take more force evaluations than this are left out: the study is for a coffee
 /// break, not for lunch.
@@ -28,28 +25,14 @@ const MOST_REFERENCE: u64 = 2_000_000;
 const REFERENCE_TOLERANCE: f64 = 1e-15;
 /// The same where losses are so stiff that only the implicit method comes to an end (1).
 const STIFF_TOLERANCE: f64 = 1e-12;
-/// Name of the pair without the correction at contact opening and closing.
-const UNCORRECTED: &str = "dormand-el-mikkawy-prince-86, uncorrected";
 /// An error above this is no result (1).
 const FAILED: f64 = 1.0;
-
-/// The method's name; the pair without the correction at contact opening and closing has one of its
-/// own.
-pub fn name((method, without): Treated) -> &'static str {
-    match (without, method) {
-        (Some(_), Method::DormandElMikkawyPrince86 { .. }) => UNCORRECTED,
-        _ => method.name(),
-    }
-}
 
 type Make = fn(f64) -> Method;
 
 /// Methods of fixed steps.
-const FIXED: [Make; 3] = [
-    |step| Method::VelocityVerlet { step },
-    |step| Method::ForceGradient { step },
-    |step| Method::RungeKutta4 { step },
-];
+const FIXED: [Make; 2] =
+    [|step| Method::VelocityVerlet { step }, |step| Method::RungeKutta4 { step }];
 /// Methods that choose their steps.
 const ADAPTIVE: [Make; 5] = [
     |tolerance| Method::TwoStepForceGradient { tolerance },
@@ -61,7 +44,7 @@ const ADAPTIVE: [Make; 5] = [
 
 /// Every method over its range: steps from the edge of stability down, tolerances from coarse to
 /// tight.
-pub fn settings(scene: &Scene) -> Vec<Treated> {
+pub fn settings(scene: &Scene) -> Vec<Method> {
     let (fixed, adaptive) = (FIXED, ADAPTIVE);
     let suits = |method: Method| method.suits(scene.chain.is_dissipative());
     let mut settings = Vec::new();
@@ -76,16 +59,12 @@ pub fn settings(scene: &Scene) -> Vec<Treated> {
         let mut step = limit.map_or(1e-6, |limit| 2.0 * limit);
         let stages = f64::from(make(step).stages());
         while scene.duration / step * stages <= MOST_EVALUATIONS {
-            settings.push((make(step), None));
+            settings.push(make(step));
             step *= 0.5;
         }
     }
     for make in adaptive.into_iter().filter(|make| suits(make(1.0))) {
-        let range = || (1..=13).map(|decade| make(10f64.powi(-decade)));
-        settings.extend(range().map(|method| (method, None)));
-        if let Some(Scheme::Nystrom(_)) = make(1.0).scheme() {
-            settings.extend(range().map(|method| (method, Some(Refinement::OpeningCorrection))));
-        }
+        settings.extend((1..=13).map(|decade| make(10f64.powi(-decade))));
     }
     settings
 }
@@ -97,13 +76,12 @@ fn setting(method: Method) -> f64 {
 impl Point {
     /// Nothing found: in as many evaluations of all contact forces as fixed steps take, in
     /// `evaluations` otherwise.
-    pub(super) fn failed(scene: &Scene, treated: Treated, evaluations: u64) -> Self {
-        let (method, _) = treated;
+    pub(super) fn failed(scene: &Scene, method: Method, evaluations: u64) -> Self {
         let all = |(step, _): (f64, f64)| {
             (scene.duration / step).ceil() as u64 * u64::from(method.stages())
         };
         Self {
-            method: name(treated),
+            method: method.name(),
             source: method.source(),
             order: method.order(),
             setting: setting(method),
@@ -120,85 +98,141 @@ impl Point {
     }
 }
 
-/// A method at one setting, held against `exact`; so many `runs` are timed.
-pub fn point(scene: &Scene, treated: Treated, exact: &Run, runs: u16) -> Point {
-    let own = treated.0.scheme().is_some() && scene.chain.is_plain();
-    let most = if own { MOST_OWN } else { MOST_CONTROLLED };
-    let mut point = Point::failed(scene, treated, 0);
-    let run = || run_without(scene, treated, most);
-    let found = match run() {
+/// Wall times of a point (s).
+#[derive(Debug, Clone, Default)]
+pub struct WallTimes(Vec<f64>);
+
+impl WallTimes {
+    fn add(&mut self, seconds: f64) {
+        self.0.push(seconds);
+        self.0.sort_by(f64::total_cmp);
+    }
+
+    /// Whether the point may be timed again.
+    pub fn allow_another(&self) -> bool {
+        self.0.iter().sum::<f64>() < TIMING_BUDGET.as_secs_f64()
+    }
+
+    fn median(&self) -> f64 {
+        self.0.get(self.0.len() / 2).copied().unwrap_or(0.0)
+    }
+
+    fn least(&self) -> f64 {
+        self.0.first().copied().unwrap_or(0.0)
+    }
+}
+
+/// A run of shot 1 of `scene` without frames, given up after so many evaluations of all forces.
+fn bare(scene: &Scene, method: Method, most: u64) -> Result<Run<'_>, IntegrateError> {
+    Run::with_frames(scene, 1, (method, most), Grid::NEVER, &mut |_| ())
+}
+
+/// A method at one setting, with its errors against `exact`, and its wall times.
+pub fn point(scene: &Scene, by: Method, exact: &Run<'_>) -> (Point, WallTimes) {
+    let (mut point, mut walls) = (Point::failed(scene, by, 0), WallTimes::default());
+    let most = most_evaluations(by);
+    let found = match bare(scene, by, most) {
         Ok(found) => found,
         Err(error) => {
             if matches!(error, IntegrateError::TooMuchWork { .. }) {
                 (point.given_up, point.force_evaluations) = (true, most);
             }
-            return point;
+            return (point, walls);
         }
     };
-    let mut walls = vec![found.wall_s];
-    walls.extend((1..runs).filter_map(|_| run().ok()).map(|r| r.wall_s));
-    walls.sort_by(f64::total_cmp);
-    point.wall_s_min = walls.first().copied().unwrap_or(0.0);
-    point.wall_s_median = walls.get(walls.len() / 2).copied().unwrap_or(0.0);
-    point.force_evaluations = found.work.force_evaluations;
-    point.error_peak = compare(&found, exact, peak_error);
-    point.error_arrival = compare(&found, exact, arrival_error);
-    point.error_trace = trace_error(&found, exact, scene.sensors.len());
-    point.error_energy = Some(found.energy.drift.abs());
+    let (readings, exact_readings) = (found.readings(), exact.readings());
+    point.force_evaluations = found.work().force_evaluations;
+    point.error_peak = largest_error(&readings, &exact_readings, peak_error);
+    point.error_arrival = largest_error(&readings, &exact_readings, arrival_error);
+    point.error_trace = trace_error(&found, exact);
+    point.error_energy = Some(found.energy().drift.abs());
     let worst = [point.error_peak, point.error_arrival];
-    let refused = method(scene, Integration::Method(treated.0)).is_err();
+    let refused = method(scene, Integration::Method(by)).is_err();
     point.failed = refused || !worst.iter().all(|error| error.is_some_and(|e| e < FAILED));
-    point
+    walls.add(found.wall_s());
+    point.set_times(&walls);
+    (point, walls)
 }
 
-/// Result of `--accuracy`: the complete run, with its check runs, so many times or as often as
-/// [`TIMING_BUDGET`] allows.
+/// Most evaluations of all forces of a point.
+fn most_evaluations(by: Method) -> u64 {
+    if by.allows_losses() { MOST_CONTROLLED } else { MOST_OWN }
+}
+
+impl Point {
+    fn set_times(&mut self, walls: &WallTimes) {
+        (self.wall_s_median, self.wall_s_min) = (walls.median(), walls.least());
+    }
+
+    /// Times the point, whose method is `by`, once more.
+    pub(super) fn time_again(&mut self, scene: &Scene, by: Method, walls: &mut WallTimes) {
+        if let Ok(run) = bare(scene, by, most_evaluations(by)) {
+            walls.add(run.wall_s());
+            self.set_times(walls);
+        }
+    }
+}
+
+/// Wall times of an accuracy: of the run that is its result, and of all its runs.
+#[derive(Debug, Clone, Default)]
+pub struct ChoiceTimes {
+    pub result: WallTimes,
+    pub all: WallTimes,
+}
+
+/// Result of `--accuracy`: method, errors against `exact`, and wall times.
 ///
 /// # Errors
-/// [`RunError`] where the scene cannot be run.
+/// [`RunError`] if the scene cannot be run.
 pub fn choice(
     scene: &Scene,
     accuracy: f64,
-    exact: &Run,
-    runs: u16,
-) -> Result<ChosenMethod, RunError> {
+    exact: &Run<'_>,
+) -> Result<(ChosenMethod, ChoiceTimes), RunError> {
     let started = Instant::now();
-    let outcome = run_to_accuracy(scene, accuracy, 1, &mut |_| ())?;
-    let summary = &outcome.summary;
-    let mut walls = vec![[summary.wall_s, summary.wall_held_s.unwrap_or(summary.wall_s)]];
-    while walls.len() < usize::from(runs) && started.elapsed() < TIMING_BUDGET {
-        let again = run_to_accuracy(scene, accuracy, 1, &mut |_| ())?.summary;
-        walls.push([again.wall_s, again.wall_held_s.unwrap_or(again.wall_s)]);
-    }
-    let sorted = |which: usize| {
-        let mut values: Vec<f64> = walls.iter().map(|wall| wall[which]).collect();
-        values.sort_by(f64::total_cmp);
-        values
-    };
-    let (alone, held) = (sorted(0), sorted(1));
-    let wall_s_median = alone[alone.len() / 2];
-    let errors = errors(scene, exact, &outcome);
-    Ok(ChosenMethod {
+    let run = climb(scene, accuracy, 1, &mut |_| ())?.run;
+    let mut times = ChoiceTimes::default();
+    times.result.add(run.wall_s());
+    times.all.add(started.elapsed().as_secs_f64());
+    let (readings, exact_readings) = (run.readings(), exact.readings());
+    let error_peak = largest_error(&readings, &exact_readings, peak_error);
+    let error_arrival = largest_error(&readings, &exact_readings, arrival_error);
+    let by = run.method();
+    let mut chosen = ChosenMethod {
         accuracy,
-        method: method_name(&summary.method),
-        setting: summary.step_s.or(summary.tolerance).unwrap_or(0.0),
-        error: errors.as_ref().map(ErrorEstimate::worst),
-        error_peak: errors.as_ref().map(|errors| errors.peak),
-        error_arrival: errors.as_ref().map(|errors| errors.arrival),
-        error_trace: errors.and_then(|errors| errors.trace),
-        error_energy: Some(summary.energy.drift.abs()),
-        force_evaluations: summary.force_evaluations,
-        wall_s_median,
-        wall_s_min: alone[0],
-        wall_held_s_median: held[held.len() / 2],
-        simulated_over_wall: summary.simulated_s / wall_s_median,
-    })
+        method: by.name(),
+        setting: setting(by),
+        error: error_peak.zip(error_arrival).map(|(peak, arrival)| peak.max(arrival)),
+        error_peak,
+        error_arrival,
+        error_trace: trace_error(&run, exact),
+        error_energy: Some(run.energy().drift.abs()),
+        force_evaluations: run.work().force_evaluations,
+        wall_s_median: 0.0,
+        wall_s_min: 0.0,
+        wall_held_s_median: 0.0,
+        simulated_over_wall: 0.0,
+    };
+    chosen.set_times(scene, &times);
+    Ok((chosen, times))
 }
 
-/// The name as the table of marks has it.
-fn method_name(name: &str) -> &'static str {
-    let mut all = FIXED.iter().chain(&ADAPTIVE).map(|make| make(1.0).name());
-    all.find(|known| *known == name).unwrap_or("another method")
+impl ChosenMethod {
+    fn set_times(&mut self, scene: &Scene, times: &ChoiceTimes) {
+        (self.wall_s_median, self.wall_s_min) = (times.result.median(), times.result.least());
+        self.wall_held_s_median = times.all.median();
+        self.simulated_over_wall = scene.duration / self.wall_s_median;
+    }
+
+    /// Times the runs of the accuracy once more.
+    pub(super) fn time_again(&mut self, scene: &Scene, times: &mut ChoiceTimes) {
+        let started = Instant::now();
+        if let Ok(climbed) = climb(scene, self.accuracy, 1, &mut |_| ()) {
+            times.all.add(started.elapsed().as_secs_f64());
+            times.result.add(climbed.run.wall_s());
+            self.set_times(scene, times);
+        }
+    }
 }
 
 /// The reference, and what it says of itself. With losses it is by neither of the methods that
@@ -206,7 +240,7 @@ fn method_name(name: &str) -> &'static str {
 ///
 /// # Errors
 /// The integrator's error where no two methods come to an end, in words.
-pub fn reference(scene: &Scene) -> Result<(Run, Reference), String> {
+pub fn reference(scene: &Scene) -> Result<(Run<'_>, Reference), String> {
     let tolerance = REFERENCE_TOLERANCE;
     let methods = if scene.chain.is_dissipative() {
         vec![
@@ -219,19 +253,21 @@ pub fn reference(scene: &Scene) -> Result<(Run, Reference), String> {
         vec![Method::DormandPrince853 { tolerance }, Method::DormandElMikkawyPrince86 { tolerance }]
     };
     let mut last = None;
-    let mut found = methods.into_iter().filter_map(|method| {
-        match run_without(scene, (method, None), MOST_REFERENCE) {
+    let mut found =
+        methods.into_iter().filter_map(|method| match bare(scene, method, MOST_REFERENCE) {
             Ok(run) => Some((run, method.to_string())),
             Err(error) => {
                 last = Some(error);
                 None
             }
-        }
-    });
+        });
     if let (Some((exact, method)), Some((other, second))) = (found.next(), found.next()) {
-        return match worst(&other, &exact) {
-            Some(error) => {
-                let error_trace = trace_error(&other, &exact, usize::MAX).unwrap_or(0.0);
+        let (readings, exact_readings) = (other.readings(), exact.readings());
+        let largest = |error| largest_error(&readings, &exact_readings, error);
+        return match largest(peak_error).zip(largest(arrival_error)) {
+            Some((peak, arrival)) => {
+                let error_trace = trace_error(&other, &exact).unwrap_or(0.0);
+                let error = peak.max(arrival);
                 Ok((exact, Reference { method, second, error, error_trace }))
             }
             None => Err(format!("{method} and {second} find different pulses")),

@@ -3,8 +3,7 @@
 use super::trial::{EffectTrial, of_chain};
 use super::{BaselineRun, EffectFinding, EffectState, LedgerEntry};
 use crate::chain::{
-    Dashpot, Gravity, KuwabaraKono, LinearisedContacts, MagnetForce, MagnetLaw, PlacedAt,
-    PlacedMagnet, PowerLawLoss,
+    Gravity, LinearisedContacts, LossKind, MagnetForce, MagnetLaw, PlacedAt, PlacedMagnet,
 };
 use crate::measurement::metadata::mass_without_sensor;
 use crate::quantity::engineering;
@@ -155,12 +154,9 @@ pub fn striker_speed_spread(subject: &BaselineRun<'_>) -> LedgerEntry {
 }
 
 /// A loss: its decay against the fastest contact's own frequency.
-fn loss(
-    subject: &BaselineRun<'_>,
-    name: &'static str,
-    setting: Option<f64>,
-    needs: &str,
-) -> LedgerEntry {
+fn loss(subject: &BaselineRun<'_>, kind: LossKind, needs: &str) -> LedgerEntry {
+    let name = kind.model().name;
+    let setting = subject.scene.spec.effects.loss(kind);
     let criterion = "decay / angular frequency, of the most damped contact";
     if setting.is_none() {
         let reason = format!(
@@ -169,9 +165,9 @@ fn loss(
         return EffectFinding { state: EffectState::Off, value: None, reason, trial: None }
             .entry(name, criterion);
     }
-    let others = ["dashpot", "kuwabara_kono", "power_law_loss"];
     let alone = subject.rebuilt(|scene| {
-        others.iter().filter(|o| **o != name).for_each(|other| scene.spec.effects.remove(other));
+        let others = LossKind::ALL.into_iter().filter(|other| *other != kind);
+        others.for_each(|other| scene.spec.effects.losses[other as usize] = None);
     });
     let value = alone.map(|s| s.chain.largest_damping(&s.initial_velocities)).ok();
     let without = subject.rebuilt(|scene| scene.spec.effects.remove(name));
@@ -182,26 +178,17 @@ fn loss(
 
 /// Dashpots.
 pub fn dashpot(subject: &BaselineRun<'_>) -> LedgerEntry {
-    let set = subject.scene.spec.effects.dashpot.as_ref();
-    loss(subject, "dashpot", set.map(|Dashpot { gamma }| gamma.value), "gamma and end_of_contact")
+    loss(subject, LossKind::Dashpot, "gamma and end_of_contact")
 }
 
 /// Viscoelastic losses.
 pub fn kuwabara_kono(subject: &BaselineRun<'_>) -> LedgerEntry {
-    let set = subject.scene.spec.effects.kuwabara_kono.as_ref();
-    loss(
-        subject,
-        "kuwabara_kono",
-        set.map(|KuwabaraKono { eta }| eta.value),
-        "eta and end_of_contact",
-    )
+    loss(subject, LossKind::KuwabaraKono, "eta and end_of_contact")
 }
 
 /// Power-law losses.
 pub fn power_law_loss(subject: &BaselineRun<'_>) -> LedgerEntry {
-    let set = subject.scene.spec.effects.power_law_loss.as_ref();
-    let set = set.map(|PowerLawLoss { force, .. }| force.value);
-    loss(subject, "power_law_loss", set, "force_at_1_m_per_s, exponent and end_of_contact")
+    loss(subject, LossKind::PowerLaw, "force_at_1_m_per_s, exponent and end_of_contact")
 }
 
 /// Contacts made linear.

@@ -7,8 +7,9 @@ use serde::Serialize;
 use crate::chain::Chain;
 use crate::experiment::acquisition::signals;
 use crate::experiment::bench::Bench;
-use crate::experiment::comparison::run;
+use crate::experiment::bench::Grid;
 use crate::experiment::outcome::{Reading, speeds};
+use crate::experiment::run::Run;
 use crate::experiment::{Integration, RunError, film_grid, method, sample_grid, scene_bench};
 use crate::numeric::statistics::{median, quantile};
 use crate::scene::{Scene, input_load};
@@ -116,25 +117,31 @@ fn speeds_of(scene: &Scene, readings: &[Reading]) -> Vec<((usize, usize), f64)> 
         .collect()
 }
 
+/// A run of shot 1 of `scene` without frames, at `accuracy` (1).
+///
+/// # Errors
+/// The run's error, in words.
+fn bare_run(scene: &Scene, accuracy: f64) -> Result<Run<'_>, String> {
+    let by = method(scene, Integration::Accuracy(accuracy)).map_err(|error| error.to_string())?;
+    let run = Run::with_frames(scene, 1, (by, u64::MAX), Grid::NEVER, &mut |_| ());
+    run.map_err(|error| error.to_string())
+}
+
 /// Runs of two scenes that differ in an effect of the chain, in turn, at the same accuracy.
 ///
 /// # Errors
 /// Why one of them cannot be run.
 pub fn of_chain(with: &Scene, without: &Scene, accuracy: f64) -> Result<EffectTrial, String> {
-    let run_once = |scene: &Scene| {
-        let by = method(scene, Integration::Accuracy(accuracy)).map_err(|e| e.to_string())?;
-        run(scene, by).map_err(|error| error.to_string())
-    };
-    let (on, off) = (run_once(with)?, run_once(without)?);
-    let wall = |scene: &Scene| run_once(scene).ok().map(|run| run.wall_s);
+    let (on, off) = (bare_run(with, accuracy)?, bare_run(without, accuracy)?);
+    let wall = |scene: &Scene| bare_run(scene, accuracy).ok().map(|run| run.wall_s());
+    let (on, off) = (on.readings(), off.readings());
     let times = run_times(|| wall(with), || wall(without));
-    let (fast, slow) = (speeds_of(with, &on.readings), speeds_of(without, &off.readings));
+    let (fast, slow) = (speeds_of(with, &on), speeds_of(without, &off));
     let ratios = fast.iter().filter_map(|(pair, speed)| {
         let (_, other) = slow.iter().find(|(same, _)| same == pair)?;
         Some(speed / other - 1.0)
     });
-    let change =
-        Change { speed: largest(ratios), ..Change::of_readings(with, &on.readings, &off.readings) };
+    let change = Change { speed: largest(ratios), ..Change::of_readings(with, &on, &off) };
     Ok((times, change))
 }
 
@@ -236,10 +243,7 @@ pub fn of_electronics(subject: &BaselineRun<'_>, with: &Scene, without: &Scene) 
         (started.elapsed().as_secs_f64(), found)
     };
     let ((_, on), (_, off)) = (timed(with), timed(without));
-    let motion = method(subject.scene, Integration::Accuracy(subject.accuracy))
-        .map_err(|error| error.to_string())
-        .and_then(|by| run(subject.scene, by).map_err(|error| error.to_string()))
-        .map_or(0.0, |run| run.wall_s);
+    let motion = bare_run(subject.scene, subject.accuracy).map_or(0.0, |run| run.wall_s());
     // The motion is the same, and part of both times.
     let wall = |scene: &Scene| Some(timed(scene).0 + motion);
     (run_times(|| wall(with), || wall(without)), of_signals(subject, &on, &off))

@@ -1,12 +1,13 @@
 //! Chains for the hard cases, and runs of them.
 
 use super::tally::CaseChecks;
+use crate::chain::State;
 use crate::chain::{Body, Chain, ChainSpec, EffectsSpec, Elasticity, End, ForceProbe};
 use crate::experiment::bench::{Bench, Grid, start};
 use crate::experiment::for_accuracy;
 use crate::experiment::method_choice::method_for;
 use crate::experiment::pulse::Peak;
-use crate::integrate::{Method, State, Work};
+use crate::motion::{Method, Work};
 
 pub const PTFE: Elasticity = Elasticity { youngs_modulus: 1.46e9, poissons_ratio: 0.46 };
 pub const STEEL: Elasticity = Elasticity { youngs_modulus: 193e9, poissons_ratio: 0.3 };

@@ -5,9 +5,10 @@ use super::benches::{
     HEAVY, LIGHT, MovingChain, PTFE, STEEL, assemble, diatomic, drift_bound, set_moving, sphere,
 };
 use super::tally::CaseChecks;
+use crate::chain::State;
 use crate::chain::{Chain, ChainSpec, EffectsSpec, End, Gravity};
 use crate::experiment::horizon::horizon;
-use crate::integrate::{Method, State};
+use crate::motion::Method;
 use crate::quantity::engineering;
 
 pub const CASES: &[HardCase] = &[HardCase {

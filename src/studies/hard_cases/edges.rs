@@ -6,7 +6,7 @@ use super::tally::CaseChecks;
 use crate::chain::Chain;
 use crate::experiment::outcome::EnergyLedger;
 use crate::experiment::{Integration, RunError, run};
-use crate::integrate::Method;
+use crate::motion::Method;
 use crate::scene::Scene;
 
 pub const CASES: &[HardCase] = &[

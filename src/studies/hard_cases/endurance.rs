@@ -5,10 +5,11 @@ use super::benches::{
     HEAVY, LIGHT, MovingChain, assemble, diatomic, drift_bound, pressed, set_moving, spheres,
 };
 use super::tally::CaseChecks;
+use crate::chain::State;
 use crate::chain::{Chain, ChainSpec, EffectsSpec, End, LinearisedContacts};
 use crate::experiment::bench::start;
 use crate::experiment::for_accuracy;
-use crate::integrate::{Method, State};
+use crate::motion::Method;
 use crate::scene::Scene;
 
 pub const CASES: &[HardCase] = &[

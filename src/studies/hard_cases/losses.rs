@@ -5,10 +5,7 @@ use super::benches::{
     HEAVY, LIGHT, MovingChain, PTFE, STEEL, assemble, diatomic, set_moving, sphere,
 };
 use super::tally::CaseChecks;
-use crate::chain::{
-    Body, Chain, ChainSpec, Dashpot, EffectsSpec, End, EndOfContact, KuwabaraKono, LossSpec,
-    PowerLawLoss,
-};
+use crate::chain::{Body, Chain, ChainSpec, EffectsSpec, End, EndOfContact, LossKind, LossSpec};
 
 pub const CASES: &[HardCase] = &[
     HardCase {
@@ -28,10 +25,6 @@ pub const CASES: &[HardCase] = &[
 const ACCURACY: f64 = 1e-6;
 const TIME: f64 = 0.4e-3;
 const SPEED: f64 = 0.44;
-
-fn everywhere(value: f64, end: EndOfContact) -> LossSpec {
-    LossSpec { value, overrides: Vec::new(), end }
-}
 
 /// The bench, short: a striker, four cells, a wall, and `force` (N) on the first particle.
 fn bench(effects: EffectsSpec, force: f64) -> Result<Chain, String> {
@@ -60,8 +53,8 @@ fn check(tally: &mut CaseChecks, what: &str, effects: &EffectsSpec) -> Result<()
 fn dashpots(tally: &mut CaseChecks) -> Result<(), String> {
     for gamma in [1e-3, 1e-1, 1.0, 10.0, 100.0, 1000.0] {
         for end in [EndOfContact::ZeroOverlap, EndOfContact::ZeroForce] {
-            let dashpot = Some(Dashpot { gamma: everywhere(gamma, end) });
-            let effects = EffectsSpec { dashpot, ..EffectsSpec::default() };
+            let dashpot = LossSpec::everywhere(gamma, end);
+            let effects = EffectsSpec::default().with_loss(LossKind::Dashpot, dashpot);
             check(tally, &format!("{gamma} N s/m, {}", end.name()), &effects)?;
         }
     }
@@ -71,14 +64,13 @@ fn dashpots(tally: &mut CaseChecks) -> Result<(), String> {
 fn others(tally: &mut CaseChecks) -> Result<(), String> {
     for end in [EndOfContact::ZeroOverlap, EndOfContact::ZeroForce] {
         for eta in [1e-9, 1e-7, 1e-6, 1e-5, 1e-4] {
-            let kuwabara_kono = Some(KuwabaraKono { eta: everywhere(eta, end) });
-            let effects = EffectsSpec { kuwabara_kono, ..EffectsSpec::default() };
+            let viscous = LossSpec::everywhere(eta, end);
+            let effects = EffectsSpec::default().with_loss(LossKind::KuwabaraKono, viscous);
             check(tally, &format!("Kuwabara-Kono, {eta:e} s, {}", end.name()), &effects)?;
         }
         for (newton, exponent) in [(1e-3, 0.5), (0.1, 1.0), (1.0, 1.5), (10.0, 2.0)] {
-            let force = everywhere(newton, end);
-            let power_law_loss = Some(PowerLawLoss { force, exponent });
-            let effects = EffectsSpec { power_law_loss, ..EffectsSpec::default() };
+            let power = LossSpec { exponent, ..LossSpec::everywhere(newton, end) };
+            let effects = EffectsSpec::default().with_loss(LossKind::PowerLaw, power);
             check(
                 tally,
                 &format!("{newton} N at 1 m/s, power {exponent}, {}", end.name()),

@@ -9,7 +9,7 @@ use super::benches::{
 };
 use super::tally::CaseChecks;
 use crate::chain::{ChainSpec, Contact, EffectsSpec, End, Gravity, hertz};
-use crate::integrate::Method;
+use crate::motion::Method;
 use crate::quantity::engineering;
 
 pub const CASES: &[HardCase] = &[

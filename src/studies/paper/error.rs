@@ -3,7 +3,7 @@
 use crate::analysis::spectrum::SpectrumError;
 use crate::chain::ChainError;
 use crate::experiment::RunError;
-use crate::integrate::IntegrateError;
+use crate::motion::IntegrateError;
 use crate::predict::UncertaintyError;
 use crate::scene::SceneError;
 use crate::scene::adjust::AdjustError;

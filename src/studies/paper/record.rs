@@ -9,7 +9,7 @@ use crate::experiment::pulse::{HALF_RISE_SHARE, Peak, PulseRecorder};
 use crate::experiment::{Integration, method, run};
 use crate::numeric::roots::vertex;
 use crate::recording::TrueSignal;
-use crate::scene::{DEFAULT_ACCURACY, Scene};
+use crate::scene::Scene;
 use crate::trace::Trace;
 
 /// Sample interval of all forces: 60 samples in the fastest oscillation that travels (s).
@@ -23,7 +23,7 @@ const PEAK_SHARE: f64 = 0.25;
 
 /// Accuracy of a scene's run (1).
 pub(super) fn accuracy(scene: &Scene) -> f64 {
-    scene.accuracy.unwrap_or(DEFAULT_ACCURACY)
+    scene.accuracy
 }
 
 /// Forces at several places of a scene.

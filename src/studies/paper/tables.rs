@@ -10,7 +10,7 @@ use super::PaperError;
 use super::claims::{Claim, Expected, Typed};
 use super::record::{accuracy, nothing};
 use super::verdict::ClaimResult;
-use crate::chain::{Chain, Dashpot, EndOfContact, ForceProbe, LossSpec};
+use crate::chain::{Chain, EndOfContact, ForceProbe, LossKind, LossSpec};
 use crate::experiment::ensemble::{Case, Ensemble};
 use crate::experiment::paper_speeds::{PaperSpeed, speeds};
 use crate::experiment::pulse::{HALF_RISE_SHARE, PulseRecorder};
@@ -88,9 +88,8 @@ pub struct SpeedStudy {
 /// `scene` with a dashpot in every contact (N s/m); none for zero.
 pub(super) fn with_dashpot(scene: &Scene, dashpot: f64) -> Result<Scene, PaperError> {
     let mut scene = scene.clone();
-    scene.spec.effects.dashpot = (dashpot > 0.0).then(|| Dashpot {
-        gamma: LossSpec { value: dashpot, overrides: Vec::new(), end: EndOfContact::ZeroOverlap },
-    });
+    let loss = LossSpec::everywhere(dashpot, EndOfContact::ZeroOverlap);
+    scene.spec.effects.losses[LossKind::Dashpot as usize] = (dashpot > 0.0).then_some(loss);
     scene.chain = Chain::new(&scene.spec)?;
     Ok(scene)
 }

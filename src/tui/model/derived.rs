@@ -7,10 +7,10 @@ use crate::analysis::spectrum::Window;
 use crate::analysis::spectrum::{Analyser, Spectrum, SpectrumSettings};
 use crate::analysis::time_frequency::{Pieces, Spectrogram};
 use crate::instrument::measure::{measure, unit};
-use crate::instrument::panel::MeasurementType;
 use crate::measurement::arrivals::survey;
 use crate::measurement::metadata::{self, RecordedSensor};
 use crate::scope::Source;
+use crate::scope::panel::MeasurementType;
 use crate::trace::Trace;
 
 /// Spectra of records longer than this are made of every second, third, ... sample: a terminal

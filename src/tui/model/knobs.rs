@@ -1,7 +1,7 @@
 //! The bench's knobs: where each stands in a scene, how it reads, and how far a turn takes it.
 
 use super::live_state::TunedSettings;
-use crate::chain::{End, LossSpec, MagnetForce, PlacedAt};
+use crate::chain::{End, LossKind, LossSpec, MagnetForce, PlacedAt};
 use crate::experiment::outcome::effects;
 use crate::quantity::{engineering, parse_any};
 use crate::scene::{LOOSEST_ACCURACY, Scene, TIGHTEST_ACCURACY};
@@ -131,18 +131,18 @@ impl BenchKnob {
             s.spec.effects.gravity.as_ref().map(|gravity| gravity.acceleration)
         }),
         knob("dashpot", "effects.dashpot.gamma", ("N*s/m", 1.0), Some("dashpot"), |s, _| {
-            loss(s.spec.effects.dashpot.as_ref().map(|dashpot| &dashpot.gamma))
+            loss(s.spec.effects.loss(LossKind::Dashpot))
         }),
         knob(
             "Kuwabara-Kono",
             "effects.kuwabara_kono.eta",
             ("us", 1e-6),
             Some("kuwabara_kono"),
-            |s, _| loss(s.spec.effects.kuwabara_kono.as_ref().map(|kono| &kono.eta)),
+            |s, _| loss(s.spec.effects.loss(LossKind::KuwabaraKono)),
         ),
         Self {
             turning: KnobStep::Decade,
-            ..knob("accuracy", "accuracy", ("", 1.0), None, |s, _| s.accuracy)
+            ..knob("accuracy", "accuracy", ("", 1.0), None, |s, _| Some(s.accuracy))
         },
         knob(
             "scope noise",

@@ -65,7 +65,7 @@ fn present<'a>(model: &ScreenState, study: &'a CostStudy) -> Option<&'a ChosenMe
     let wanted = model
         .live()
         .and_then(|live| live.summary.as_ref()?.accuracy)
-        .or_else(|| model.scene()?.accuracy)
+        .or_else(|| Some(model.scene()?.accuracy))
         .unwrap_or(crate::scene::DEFAULT_ACCURACY);
     let distance = |chosen: &ChosenMethod| (chosen.accuracy.log10() - wanted.log10()).abs();
     study.chosen.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))

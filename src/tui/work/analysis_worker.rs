@@ -4,7 +4,6 @@ use std::path::Path;
 use std::sync::mpsc::{Receiver, Sender};
 
 use super::{ScreenEvent, guarded, with_reasons};
-use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, facts, run};
 use crate::measurement::compare::score_limits::ScoreLimits;
 use crate::measurement::compare::{Align, Compared, ComparedShot, compare};
@@ -71,8 +70,7 @@ impl Other {
             return Ok(Self { name, set, is_uncertain: false, predicted: None });
         }
         let scene = Scene::load(name).map_err(|error| with_reasons(&error))?;
-        let accuracy = of_scene(&scene).map_err(|error| with_reasons(&error))?.value;
-        let integration = Integration::Accuracy(accuracy);
+        let integration = Integration::Accuracy(scene.accuracy);
         let outcome = run(&scene, integration, 1, &mut |_| ()).map_err(|e| with_reasons(&e))?;
         let metadata = facts::facts(&scene, integration).map_err(|error| with_reasons(&error))?;
         let attachments = vec![facts::scene_attachment(&scene)];
@@ -189,8 +187,7 @@ pub fn research(order: StudyRequest, _: &Receiver<StudyRequest>, news: &Sender<S
         }
         StudyRequest::Ledger(scene) => {
             let found = guarded(|| {
-                let accuracy = of_scene(&scene).map_err(|error| with_reasons(&error))?.value;
-                effects::ledger(&scene, accuracy, &mut |s| {
+                effects::ledger(&scene, scene.accuracy, &mut |s| {
                     tell(s, |s| JobAnswer::Ledger(JobState::Busy(s)));
                 })
                 .map_err(|error| with_reasons(&error))

@@ -3,7 +3,6 @@
 use std::sync::mpsc::{Receiver, Sender};
 
 use super::{ScreenEvent, guarded, with_reasons};
-use crate::experiment::accuracy::of_scene;
 use crate::experiment::auto_effects::resolve_auto_effects;
 use crate::experiment::{Integration, facts, run};
 use crate::predict::{SampleOptions, TraceBand, trace_bands};
@@ -54,8 +53,7 @@ fn struck(strike: &StrikeRequest) -> Result<StrikeResult, String> {
     };
     let scene = Scene::from_text(&strike.name, "the bench", &strike.text);
     let scene = scene.map_err(|error| told(&error))?;
-    let accuracy = of_scene(&scene).map_err(|error| told(&error))?.value;
-    let integration = Integration::Accuracy(accuracy);
+    let integration = Integration::Accuracy(scene.accuracy);
     let scene = resolve_auto_effects(&scene, integration).into_owned();
     let outcome = run(&scene, integration, strike.shot, &mut |_| ()).map_err(|e| told(&e))?;
     let metadata = facts::facts(&scene, integration).map_err(|error| told(&error))?;

@@ -8,8 +8,8 @@ use hertzscope::analysis::gate::Gate;
 use hertzscope::analysis::spectrum::{Analyser, Spectrum, SpectrumSettings};
 use hertzscope::chain::ForceProbe;
 use hertzscope::experiment::bench::{Bench, Grid};
-use hertzscope::integrate::Method;
 use hertzscope::measurement::metadata;
+use hertzscope::motion::Method;
 use hertzscope::scene::{Scene, Site};
 use hertzscope::trace::Trace;
 

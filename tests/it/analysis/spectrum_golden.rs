@@ -9,7 +9,7 @@ use hertzscope::analysis::gate::Gate;
 use hertzscope::analysis::spectrum::{Analyser, Spectrum, SpectrumSettings};
 use hertzscope::chain::ForceProbe;
 use hertzscope::experiment::bench::{Bench, Grid};
-use hertzscope::integrate::Method;
+use hertzscope::motion::Method;
 use hertzscope::scene::Scene;
 use hertzscope::trace::Trace;
 use serde_json::Value;

@@ -6,8 +6,8 @@ use std::f64::consts::{PI, TAU};
 use assert_cmd::Command;
 use hertzscope::analysis::wavenumber::{WavenumberError, spectral_lines};
 use hertzscope::experiment::bench::{Bench, Grid};
-use hertzscope::integrate::Method;
 use hertzscope::measurement::metadata;
+use hertzscope::motion::Method;
 use hertzscope::scene::{Scene, Site};
 use serde_json::Value;
 

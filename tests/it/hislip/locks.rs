@@ -133,6 +133,39 @@ fn a_release_does_not_overtake_a_message() {
     assert_eq!(answer(&mut lab, one), 1);
 }
 
+/// A session that ends gives back all its locks, the shared one as well.
+#[test]
+fn a_session_that_ends_leaves_no_lock() {
+    let mut lab = Lab::default();
+    let (one, two) = (lab.client(), lab.client());
+    request(&mut lab, one, b"key", 0);
+    request(&mut lab, one, EXCLUSIVE, 0);
+    assert_eq!((answer(&mut lab, one), answer(&mut lab, one)), (1, 1));
+    lab.close(one.synchronous);
+    request(&mut lab, two, EXCLUSIVE, 0);
+    assert_eq!(answer(&mut lab, two), 1);
+    assert_eq!(info(&mut lab, two), (1, 1));
+}
+
+/// After a device clear identifiers begin anew: a release that overtakes the first message waits for
+/// it.
+#[test]
+fn identifiers_begin_anew_after_a_device_clear() {
+    let mut lab = Lab::default();
+    let one = lab.client();
+    lab.say(one, 0, false, "before");
+    lab.send(one.asynchronous, MessageType::AsyncDeviceClear, (0, 0), b"");
+    assert_eq!(lab.next(one.asynchronous).0, MessageType::AsyncDeviceClearAcknowledge);
+    lab.send(one.synchronous, MessageType::DeviceClearComplete, (0, 0), b"");
+    assert_eq!(lab.next(one.synchronous).0, MessageType::DeviceClearAcknowledge);
+    request(&mut lab, one, EXCLUSIVE, 0);
+    assert_eq!(answer(&mut lab, one), 1);
+    release(&mut lab, one, identifier(0));
+    assert_eq!(lab.try_next(one.asynchronous), None, "the first message is still to come");
+    lab.say(one, 0, false, "after");
+    assert_eq!(answer(&mut lab, one), 1);
+}
+
 /// A device clear gets through whoever has the lock, and empties what waits.
 #[test]
 fn a_device_clear_needs_no_lock() {

@@ -14,6 +14,8 @@ pub struct Fake {
     pub owes: bool,
     pub event: bool,
     pub enabled: u8,
+    /// The reply to a device trigger.
+    pub triggered: Vec<u8>,
     pub locks: Locks,
     text: Vec<u8>,
 }
@@ -60,8 +62,9 @@ impl Device for Fake {
         self.log.push(format!("{session} cleared"));
     }
 
-    fn trigger(&mut self, session: u16) {
+    fn trigger(&mut self, session: u16) -> Vec<u8> {
         self.log.push(format!("{session} triggers"));
+        self.triggered.clone()
     }
 
     fn lock_keys(&mut self, locked: bool) {

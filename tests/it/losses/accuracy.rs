@@ -4,7 +4,7 @@
 use hertzscope::experiment::accuracy::run_to_accuracy;
 use hertzscope::experiment::outcome::Summary;
 use hertzscope::experiment::{Integration, run};
-use hertzscope::integrate::Method;
+use hertzscope::motion::Method;
 
 use super::scene_with;
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use hertzscope::chain::ForceProbe;
 use hertzscope::experiment::bench::{Bench, Grid};
 use hertzscope::experiment::outcome::Reading;
-use hertzscope::integrate::Method;
+use hertzscope::motion::Method;
 use hertzscope::scene::Scene;
 use serde_json::Value;
 

@@ -1,9 +1,7 @@
 //! Two free bodies that meet.
 
-use hertzscope::chain::{
-    Chain, ChainSpec, Dashpot, EffectsSpec, End, EndOfContact, KuwabaraKono, LossSpec,
-};
-use hertzscope::integrate::Method;
+use hertzscope::chain::{Chain, ChainSpec, EffectsSpec, End, EndOfContact, LossKind, LossSpec};
+use hertzscope::motion::Method;
 
 use crate::chains::{NEVER, STEEL, body, kicked};
 
@@ -19,10 +17,6 @@ fn chain(effects: EffectsSpec) -> Chain {
         effects,
     };
     Chain::new(&spec).expect("a chain")
-}
-
-fn everywhere(value: f64, end: EndOfContact) -> LossSpec {
-    LossSpec { value, overrides: Vec::new(), end }
 }
 
 /// Ratio of the speeds of separation and approach.
@@ -50,8 +44,8 @@ fn viscoelastic_restitution() {
             [(EndOfContact::ZeroOverlap, at_zero_overlap), (EndOfContact::ZeroForce, at_zero_force)]
         {
             let eta = x / 1.5 * (stiffness / reduced).powf(-0.4) * SPEED.powf(-0.2);
-            let loss = KuwabaraKono { eta: everywhere(eta, end) };
-            let chain = chain(EffectsSpec { kuwabara_kono: Some(loss), ..EffectsSpec::default() });
+            let loss = LossSpec::everywhere(eta, end);
+            let chain = chain(EffectsSpec::default().with_loss(LossKind::KuwabaraKono, loss));
             let tolerance = 1e-9;
             for method in [Method::DormandPrince853 { tolerance }, Method::Rodas { tolerance }] {
                 let found = restitution(&chain, method);
@@ -67,8 +61,8 @@ fn viscoelastic_restitution() {
 /// of the approach comes back.
 #[test]
 fn dashpots_take_what_they_must() {
-    let loss = |gamma| Dashpot { gamma: everywhere(gamma, EndOfContact::ZeroForce) };
-    let with = |gamma| chain(EffectsSpec { dashpot: Some(loss(gamma)), ..EffectsSpec::default() });
+    let loss = |gamma| LossSpec::everywhere(gamma, EndOfContact::ZeroForce);
+    let with = |gamma| chain(EffectsSpec::default().with_loss(LossKind::Dashpot, loss(gamma)));
     let method = Method::DormandPrince853 { tolerance: 1e-10 };
     let mut before = 1.0;
     for gamma in [0.0, 0.5, 5.0, 50.0, 500.0] {

@@ -1,8 +1,8 @@
 //! Energy is accounted for: motion, contacts, loads, each loss by name, and what is left in
 //! contacts that are held at zero force.
 
-use hertzscope::chain::{Chain, ChainSpec, Dashpot, EffectsSpec, End, EndOfContact, LossSpec};
-use hertzscope::integrate::Method;
+use hertzscope::chain::{Chain, ChainSpec, EffectsSpec, End, EndOfContact, LossKind, LossSpec};
+use hertzscope::motion::Method;
 
 use super::{dashpot, scene_with, simulate, viscoelastic};
 use crate::chains::{NEVER, STEEL, body, kicked};
@@ -60,14 +60,14 @@ fn the_ledger_closes_with_each_loss() {
 /// not as elastic.
 #[test]
 fn contacts_held_at_the_end_are_booked() {
-    let gamma = LossSpec { value: 20.0, overrides: Vec::new(), end: EndOfContact::ZeroForce };
+    let dashpot = LossSpec::everywhere(20.0, EndOfContact::ZeroForce);
     let spec = ChainSpec {
         striker: Some(body("striker", 0.61e-3, None, STEEL)),
         particles: vec![body("sphere", 0.45e-3, Some(2.38e-3), STEEL)],
         top: End::Free,
         bottom: End::Free,
         wall_preload: 0.0,
-        effects: EffectsSpec { dashpot: Some(Dashpot { gamma }), ..EffectsSpec::default() },
+        effects: EffectsSpec::default().with_loss(LossKind::Dashpot, dashpot),
     };
     let chain = Chain::new(&spec).expect("a chain");
     let method = Method::DormandPrince853 { tolerance: 1e-11 };

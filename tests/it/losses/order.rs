@@ -1,8 +1,8 @@
 //! Orders across jumps, and methods for losses that are stiff.
 
-use hertzscope::chain::{Chain, Dashpot, EndOfContact, LossSpec};
+use hertzscope::chain::{Chain, EndOfContact, LossKind, LossSpec};
 use hertzscope::experiment::bench::Bench;
-use hertzscope::integrate::{Method, Scales, System};
+use hertzscope::motion::{Method, Scales, Scheme, System};
 
 use super::{dashpot, simulate};
 use crate::chains::{NEVER, kicked, pressed, ptfe_sphere, steel_cylinder};
@@ -11,8 +11,10 @@ use crate::chains::{NEVER, kicked, pressed, ptfe_sphere, steel_cylinder};
 fn rattling(gamma: f64) -> Chain {
     let particles = (0..5).map(|i| if i % 2 == 0 { ptfe_sphere() } else { steel_cylinder() });
     let mut spec = pressed(particles.collect(), 0.0, false);
-    let gamma = LossSpec { value: gamma, overrides: Vec::new(), end: EndOfContact::ZeroOverlap };
-    spec.effects.dashpot = (gamma.value > 0.0).then_some(Dashpot { gamma });
+    if gamma > 0.0 {
+        let dashpot = LossSpec::everywhere(gamma, EndOfContact::ZeroOverlap);
+        spec.effects = spec.effects.with_loss(LossKind::Dashpot, dashpot);
+    }
     Chain::new(&spec).expect("a chain")
 }
 
@@ -90,7 +92,8 @@ fn flags_keep_the_order_that_signs_lose() {
             let mut state = chain.initial_state(&[SPEED, 0.0, 0.0, 0.0, 0.0]);
             state.position.truncate(5);
             state.velocity.truncate(5);
-            let mut integrator = method.start(Box::new(system), state);
+            let Scheme::General(scheme) = method.scheme() else { panic!("a lossless method") };
+            let mut integrator = scheme.start(Box::new(system), state);
             while integrator.state().time < TIME {
                 integrator.step(TIME).expect("a step");
             }

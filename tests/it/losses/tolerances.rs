@@ -2,11 +2,11 @@
 //! of runs that nobody checks, as in a sweep: none may miss, however its steps happen to fall on
 //! the openings of contacts.
 
-use hertzscope::chain::simd::InstructionSet;
 use hertzscope::experiment::Integration;
 use hertzscope::experiment::ensemble::{Case, places};
 use hertzscope::experiment::pulse::{Peak, PulseRecorder};
-use hertzscope::integrate::Method;
+use hertzscope::motion::Method;
+use hertzscope::motion::kernel::InstructionSet;
 
 use super::{dashpot, scene_with, viscoelastic};
 

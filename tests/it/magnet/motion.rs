@@ -8,8 +8,8 @@ use hertzscope::chain::{
 use hertzscope::experiment::bench::Bench;
 use hertzscope::experiment::outcome::Summary;
 use hertzscope::experiment::{Integration, run};
-use hertzscope::integrate::Method;
 use hertzscope::magnet::{ForceLaw, ForceTable, Magnet, Sphere};
+use hertzscope::motion::Method;
 use hertzscope::scene::Scene;
 
 use super::{ROOM, ring};

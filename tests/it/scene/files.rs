@@ -271,7 +271,7 @@ fn numbers_may_be_written_in_any_way_of_toml() {
     let scene = load(&bench_with("repeat = 19", "repeat = 0x13")).expect("sound");
     assert_eq!(scene.chain.particles(), 39);
     let scene = load(&bench_with("accuracy = 1e-6", "accuracy = 0.000_001")).expect("sound");
-    assert_eq!(scene.accuracy, Some(1e-6));
+    assert_eq!(scene.accuracy, 1e-6);
 }
 
 /// Every text that goes into a scene goes into its hash: material and ceramic files too.

@@ -24,6 +24,14 @@ impl Bench {
         bench
     }
 
+    /// The same of a model with so many channels.
+    pub fn with_channels(channels: u8) -> Self {
+        let model = Model { channels, ..model() };
+        let mut bench = Self { instrument: Instrument::new(model, 0.0, 1), ..Self::new() };
+        bench.instrument.status.clear();
+        bench
+    }
+
     pub fn switched_on() -> Self {
         Self {
             instrument: Instrument::new(model(), 0.0, 1),

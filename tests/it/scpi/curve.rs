@@ -159,3 +159,18 @@ fn the_spectrum_of_a_sine() {
     assert!((99..=104).contains(&bin), "bin {bin}");
     assert!(levels.iter().all(|level| *level >= -100.0));
 }
+
+/// A block is positive where `BN_Fmt` is `RP`, also while `ENCdg` is text: 128 is level 0.
+#[test]
+fn a_block_is_read_as_its_numbers_are() {
+    for (encoding, block) in [("RPB", [0x80, 0x94, 0x6C]), ("RIB", [0, 0x14, 0xEC])] {
+        let mut bench = Bench::new();
+        bench.tell(&format!("DATA:DEST REFA;ENC {encoding};:DATA:ENC ASC"));
+        let yoff = if encoding == "RPB" { "128" } else { "0" };
+        bench.tell(&format!("WFMP:YOF {yoff};NR_P 3"));
+        let message = [b"CURVE #13".as_slice(), &block, b"\n"].concat();
+        bench.session.receive(&mut bench.instrument, &message);
+        bench.tell("SEL:REFA ON;:DATA:SOU REFA;STAR 1;STOP 3");
+        bench.transcript(&[("CURVE?", "0,20,-20"), ("WFMP:YOF?", "0.0E0"), ("*ESR?", "0")]);
+    }
+}

@@ -176,3 +176,61 @@ fn set_ups_are_kept_and_recalled() {
         ("*RCL 3;:CH1:COUP?;:FACTORY;:CH1:COUP?", "AC;:CH1:COUPLING DC"),
     ]);
 }
+
+/// The trigger level stays within 8 divisions of the screen's centre, whatever is turned (user
+/// manual, trigger level range): scale, position, probe, source.
+#[test]
+fn the_trigger_level_stays_within_reach_whatever_is_turned() {
+    let mut bench = Bench::new();
+    bench.tell("CH1:SCA 50;:TRIG:MAI:LEV 300");
+    for (turned, level) in [
+        ("CH1:POS 0", "3.0E2"),
+        ("CH1:SCA 0.2", "1.6E0"),
+        ("CH1:POS 2", "1.2E0"),
+        ("CH1:POS 0", "1.2E0"),
+        ("CH1:PRO 1", "1.6E-1"),
+        ("TRIG:MAI:EDGE:SOU CH2", "1.6E-1"),
+        ("TRIG:MAI:LEV 7.5;:TRIG:MAI:EDGE:SOU EXT", "1.6E0"),
+        ("TRIG:MAI:LEV -9;:TRIG:MAI:EDGE:SOU EXT5", "-1.6E0"),
+        ("TRIG:MAI:LEV -9;:TRIG:MAI:EDGE:SOU CH2", "-8.0E0"),
+        ("TRIG:MAI:EDGE:SOU LINE", "-8.0E0"),
+        ("TRIG:MAI:EDGE:SOU CH1", "-1.6E-1"),
+    ] {
+        bench.tell(turned);
+        assert_eq!(bench.ask("TRIG:MAI:LEV?"), level, "after {turned}");
+    }
+    // A set-up that is recalled, too.
+    bench.tell("CH1:SCA 5;:TRIG:MAI:LEV 40;:*SAV 3;:CH1:SCA 0.02;:*RCL 3");
+    assert_eq!(bench.ask("TRIG:MAI:LEV?;:CH1:SCA?"), "4.0E1;5.0E0");
+}
+
+/// A model with two channels has no CH3, as a value no more than in a header; it has two reference
+/// memories (a real two-channel set-up names REFA and REFB).
+#[test]
+fn values_name_what_the_model_has() {
+    for (channels, events) in [(2, "224"), (4, "0")] {
+        for command in [
+            "TRIG:MAI:EDGE:SOU CH4",
+            "TRIG:MAI:PUL:SOU CH3",
+            "DATA:SOU CH4",
+            "DATA:SOU REFC",
+            "DATA:DEST REFD",
+            "MEASU:IMM:SOU CH3",
+            "MEASU:MEAS2:SOU CH3",
+            "CURS:SEL:SOU CH4",
+        ] {
+            let mut bench = Bench::with_channels(channels);
+            bench.tell(command);
+            let set = bench.ask("*ESR?;:EVENT?");
+            assert_eq!(set.split_once(';').map(|(_, event)| event), Some(events), "{command}");
+        }
+    }
+    let mut bench = Bench::with_channels(2);
+    bench.tell("SAV:WAVE CH1,REFC");
+    assert_eq!(bench.ask("*ESR?"), "16");
+    assert_eq!(bench.ask("EVENT?"), "224");
+    bench.tell("SEL:REFC ON");
+    assert_eq!(bench.ask("*ESR?"), "32");
+    assert_eq!(bench.ask("EVENT?"), "113");
+    assert_eq!(bench.ask("SELECT?"), "1;0;0;0;0");
+}

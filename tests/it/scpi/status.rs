@@ -86,3 +86,27 @@ fn self_tests_pass() {
     let mut bench = Bench::new();
     bench.transcript(&[("*TST?", "0"), ("*CAL?", "0"), ("DIA:RESU:FLA?", "PASS")]);
 }
+
+/// `*CLS` forgets events that were released as well (programmer manual, `*CLS`: the event queue).
+#[test]
+fn clear_forgets_released_events() {
+    let mut bench = Bench::new();
+    bench.tell("FOO");
+    assert_eq!(bench.ask("*ESR?"), "32");
+    bench.tell("*CLS");
+    bench.transcript(&[("EVENT?", "0"), ("EVQ?", "0"), ("*ESR?", "0")]);
+}
+
+/// A device trigger runs what `*DDT` says, replies included, and leaves a message alone that has
+/// begun (IEEE 488.2, group execute trigger).
+#[test]
+fn a_device_trigger_answers_beside_a_message() {
+    use hertzscope::scpi::Reply;
+    let mut bench = Bench::new();
+    bench.tell("*DDT \"*STB?;:TRIG:MAI:MOD?\"");
+    let begun = bench.session.receive(&mut bench.instrument, b"CH1:SCA 2");
+    assert_eq!(begun, Reply::None);
+    let triggered = bench.session.trigger(&mut bench.instrument);
+    assert_eq!(triggered, Reply::Now(b"0;AUTO\n".to_vec()));
+    bench.transcript(&[(";SCALE?", "2.0E0"), ("*ESR?", "0")]);
+}

@@ -5,7 +5,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use hertzscope::recording::mcap::read;
-use hertzscope::server::MOST_CONNECTIONS;
+use hertzscope::server::MAX_CONNECTIONS_OF_PEER;
 
 use super::process::Process;
 use super::{Client, IDENTITY, Server, connect};
@@ -43,7 +43,7 @@ fn the_oldest_idle_connection_gives_way() {
     let server = Server::at_rest();
     let mut talks = server.connect();
     assert_eq!(talks.ask("*IDN?"), IDENTITY);
-    let mut silent: Vec<Client> = (1..MOST_CONNECTIONS).map(|_| server.connect()).collect();
+    let mut silent: Vec<Client> = (1..MAX_CONNECTIONS_OF_PEER).map(|_| server.connect()).collect();
     std::thread::sleep(Duration::from_millis(1200));
     assert_eq!(talks.ask("*IDN?"), IDENTITY);
     for _ in 0..3 {
@@ -51,6 +51,21 @@ fn the_oldest_idle_connection_gives_way() {
     }
     assert!(silent[0].is_closed(), "the oldest");
     assert_eq!(talks.ask("*IDN?"), IDENTITY, "it has been heard since");
+}
+
+/// Ends of lines alone keep no connection: whoever sends nothing else gives way.
+#[test]
+fn chatty_connections_give_way() {
+    let server = Server::at_rest();
+    let mut chatty: Vec<Client> = (0..MAX_CONNECTIONS_OF_PEER).map(|_| server.connect()).collect();
+    for _ in 0..5 {
+        chatty.iter_mut().for_each(|client| client.send(b"\n"));
+        std::thread::sleep(Duration::from_millis(300));
+    }
+    chatty.iter_mut().for_each(|client| client.send(b"\n"));
+    for _ in 0..3 {
+        assert_eq!(server.connect().ask("*IDN?"), IDENTITY);
+    }
 }
 
 /// A server of its own process with what it says on standard error.
@@ -113,6 +128,52 @@ fn a_full_disk_ends_the_recording_and_not_the_server() {
     assert_eq!(code, Some(2), "{said}");
     let set = read(&file).expect("what was recorded");
     assert!(set.problems.iter().any(|problem| !problem.is_empty()), "it does not look whole");
+}
+
+/// A log has a size limit: the server says so and goes on.
+#[cfg(unix)]
+#[test]
+fn a_log_ends_at_its_size_limit() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let log = folder.path().join("serve.log");
+    let arguments = [format!("--log={}", log.display()), "--size-limit=1".to_owned()];
+    let arguments = arguments.each_ref().map(String::as_str);
+    let (child, address) = started("", &arguments);
+    let mut client = connect(address);
+    let length = || std::fs::metadata(&log).expect("a log").len();
+    // 150 bytes of log each; the limit is looked at once a second.
+    while length() < 1_000_000 {
+        assert_eq!(client.ask("*IDN?"), IDENTITY);
+    }
+    let mut before = 0;
+    while length() > before {
+        before = length();
+        std::thread::sleep(Duration::from_millis(1100));
+        assert_eq!(client.ask("*IDN?"), IDENTITY);
+    }
+    signal(&child, "-TERM");
+    let (code, said) = end(child);
+    assert!(said.contains("limit of 1000000 bytes") && said.contains("goes on"), "{said}");
+    assert_eq!(code, Some(0));
+}
+
+/// A log whose reader has stopped (a script that never reads the pipe, a pager) holds up no client,
+/// and signals end the server.
+#[cfg(unix)]
+#[test]
+fn a_log_that_is_not_read_stops_nobody() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("lab.mcap");
+    let (mut child, address) = started("", &["--log", "--record", &file.display().to_string()]);
+    let mut client = connect(address);
+    // 200 bytes of log for each: many times what a pipe holds.
+    for _ in 0..5000 {
+        assert_eq!(client.ask("*IDN?"), IDENTITY);
+    }
+    assert_eq!(connect(address).ask("*IDN?"), IDENTITY);
+    signal(&child, "-TERM");
+    assert_eq!(child.wait().expect("an end").code(), Some(0));
+    assert_eq!(read(&file).expect("a recording").problems, [""; 0]);
 }
 
 /// A terminal that is closed ends the recording as Ctrl-C does.

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use hertzscope::scene::Scene;
+use hertzscope::server::ServerOptions;
 
 use super::process::Process;
 use super::{IDENTITY, Server, connect, scene};
@@ -120,4 +121,34 @@ fn time_bases_turn_while_the_chain_moves() {
     client.send(b"BENC:IMP\n");
     assert_eq!(client.ask("*OPC?"), "1\n");
     assert!(process.child.try_wait().expect("a child").is_none(), "the server lives");
+}
+
+/// With `--read-only` no client changes the bench, with `--no-faults` none switches a fault on; the
+/// oscilloscope is everybody's.
+#[test]
+fn access_to_the_bench_is_limited() {
+    use hertzscope::instrument::BenchAccess;
+    let changes = [
+        "BENC:IMP",
+        "BENC:STRI:MASS 1E-3",
+        "BENC:STRI:SPE 1",
+        "BENC:MAGN:FORC 1",
+        "BENC:SCEN gravity-0.61g",
+    ];
+    for (access, refused) in [(BenchAccess::ReadOnly, true), (BenchAccess::NoFaults, false)] {
+        let server = Server::with(ServerOptions { access, ..ServerOptions::default() });
+        let mut client = server.connect();
+        let before = client.ask("BENC?;:BENC:FAU?");
+        for change in changes {
+            client.send(format!("*CLS;:{change}\n").as_bytes());
+            let expected = if refused { "16;241\n" } else { "0;0\n" };
+            assert_eq!(client.ask("*ESR?;EVENT?"), expected, "{change}");
+        }
+        client.send(b"*CLS;:BENC:FAU \"late=1s\"\n");
+        assert_eq!(client.ask("*ESR?;EVENT?"), "16;241\n");
+        if refused {
+            assert_eq!(client.ask("BENC?;:BENC:FAU?"), before);
+        }
+        assert_eq!(client.ask("CH1:SCA 2;SCA?"), "2.0E0\n");
+    }
 }

@@ -15,8 +15,7 @@ use super::{Client, IDENTITY, Server, connect, scene};
 
 fn recorded(file: &Path) -> Server {
     let scene = scene();
-    let known = facts::facts(&scene, Integration::Accuracy(scene.accuracy.expect("an accuracy")))
-        .expect("stable");
+    let known = facts::facts(&scene, Integration::Accuracy(scene.accuracy)).expect("stable");
     let writer = RecordingWriter::create_live(file, &known, &[facts::scene_attachment(&scene)]);
     Server::serving(scene, ServerOptions::default(), Some(writer.expect("writable")))
 }
@@ -159,7 +158,7 @@ fn a_shot_tells_its_own_bench() {
     assert_eq!(set.log[1], log);
     // The truth of a shot is that of its scene: the run of the same scene and number has the same
     // force at particle 2.
-    let accuracy = Integration::Accuracy(scenes[1].accuracy.expect("an accuracy"));
+    let accuracy = Integration::Accuracy(scenes[1].accuracy);
     let run = run(&scenes[1], accuracy, 2, &mut |_| ()).expect("a run").shot;
     let force = |shot: &hertzscope::recording::Shot| {
         let trace = shot.truth.iter().find(|trace| trace.name.starts_with("sensor/p2:"));

@@ -15,8 +15,8 @@ use std::path::{Path, PathBuf};
 
 use hertzscope::scpi::command::GROUPS;
 use hertzscope::scpi::message::units;
-use hertzscope::scpi::row::Support;
-use hertzscope::scpi::tree;
+use hertzscope::scpi::table;
+use hertzscope::scpi::table::Support;
 
 use super::{Client, IDENTITY, Server};
 
@@ -75,7 +75,7 @@ fn reached(typed: &str) -> Vec<(&'static str, bool)> {
     let messages = typed.lines().filter_map(|line| line.strip_prefix("> "));
     let units = messages.flat_map(|message| units(message.as_bytes())).filter_map(Result::ok);
     let found =
-        units.filter_map(|unit| Some((tree::find(&unit.header, 4)?.row.header, unit.is_query)));
+        units.filter_map(|unit| Some((table::find(&unit.header, 4)?.row.header, unit.is_query)));
     found.collect()
 }
 
@@ -87,7 +87,7 @@ fn every_group_has_its_transcript() {
         let reached = reached(&typed);
         for row in group.rows.iter().filter(|row| !matches!(row.support, Support::Alias(_))) {
             let setting = row.setting;
-            for (exists, is_query) in [(setting.set.is_some(), false), (setting.answers(), true)] {
+            for (exists, is_query) in [(setting.is_command(), false), (setting.is_query(), true)] {
                 let seen = reached.contains(&(row.header, is_query));
                 assert!(!exists || seen, "{}: {} is missing", file.display(), row.header);
             }

@@ -2,7 +2,7 @@
 //! scope.
 
 use std::io::{Read as _, Write as _};
-use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
+use std::net::{SocketAddr, TcpStream, UdpSocket};
 
 use super::{IDENTITY, LIMIT, Server};
 use crate::vxi11::{call, opaque, words};
@@ -94,28 +94,48 @@ fn a_single_shot_over_vxi11() {
     assert_eq!(client.ask("*IDN?"), IDENTITY.as_bytes());
 }
 
-/// `*OPC` after an impact: the server calls the client.
+/// `*OPC` after an impact: the status byte says so, once.
 #[test]
 fn an_impact_asks_for_service() {
     let server = Server::at_rest();
     let mut client = Client::to(server.vxi11);
-    let own = TcpListener::bind("127.0.0.1:0").expect("a port");
-    let port = u32::from(own.local_addr().expect("an address").port());
-    let made = client.call(25, &words(&[0x7F00_0001, port, 0x0006_07B1, 1, 0]));
-    assert_eq!(made, words(&[0]));
-    let enabled = client.call(20, &[words(&[client.link, 1]), opaque(b"bench 1")].concat());
-    assert_eq!(enabled, words(&[0]));
     client.write("*CLS;*ESE 1;*SRE 32;:ACQ:STOPA SEQ;STATE ON;*OPC;:BENC:IMP");
-    let (mut interrupts, _) = own.accept().expect("the server");
-    interrupts.set_read_timeout(Some(LIMIT)).expect("a limit");
-    let told = receive(&mut interrupts);
-    assert_eq!(
-        told[4..],
-        [words(&[0, 2, 0x0006_07B1, 1, 30, 0, 0, 0, 0]), opaque(b"bench 1")].concat()
-    );
-    assert_eq!(client.call(13, &words(&[client.link, 0, 0, 0])), words(&[0, 32 | 64]));
-    assert_eq!(client.call(26, &[]), words(&[0]));
-    assert_eq!(interrupts.read(&mut [0]).expect("an end"), 0, "closed");
+    let poll = |client: &mut Client| client.call(13, &words(&[client.link, 0, 0, 0]));
+    while poll(&mut client) == words(&[0, 0]) {}
+    assert_eq!(client.ask("*STB?"), b"96\n");
+    assert_eq!(poll(&mut client), words(&[0, 32]), "polled before");
+}
+
+/// Silent connections to the port mapper give way: the 41st is answered at once.
+#[test]
+fn a_silent_port_mapper_client_keeps_nobody_out() {
+    let server = Server::at_rest();
+    let silent: Vec<TcpStream> =
+        (0..40).map(|_| TcpStream::connect(server.mapper).expect("a connection")).collect();
+    let mut stream = TcpStream::connect(server.mapper).expect("a connection");
+    stream.set_read_timeout(Some(LIMIT)).expect("a limit");
+    let started = std::time::Instant::now();
+    send(&mut stream, &call(100_000, 2, 3, &words(&[CORE, 1, 6, 0])));
+    let expected = words(&[7, 1, 0, 0, 0, 0, u32::from(server.vxi11.port())]);
+    assert_eq!(receive(&mut stream), expected);
+    // The silent ones have ten seconds each.
+    assert!(started.elapsed() < std::time::Duration::from_secs(8));
+    drop(silent);
+}
+
+/// A device clear drops a reply that a fault delays.
+#[test]
+fn a_device_clear_drops_a_late_reply() {
+    let faults = vec!["late=100ms*1".parse().expect("a fault")];
+    let options = hertzscope::server::ServerOptions { faults, ..Default::default() };
+    let server = Server::with(options);
+    let mut client = Client::to(server.vxi11);
+    client.write("*IDN?");
+    assert_eq!(client.call(15, &words(&[client.link, 0, 0, 0])), words(&[0]));
+    // Nothing to read within 300 ms: error 15.
+    let read = client.call(12, &words(&[client.link, 1000, 300, 0, 0, 0]));
+    assert_eq!(read[..4], words(&[15]));
+    assert_eq!(client.ask("*OPC?"), b"1\n");
 }
 
 /// Over TCP and UDP, and after a call that is none.

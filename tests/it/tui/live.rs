@@ -5,6 +5,7 @@ use std::sync::mpsc::Receiver;
 use std::time::Duration;
 
 use super::bench::{after, draw};
+use hertzscope::chain::LossKind;
 use hertzscope::recording::TraceSet;
 use hertzscope::scene::Scene;
 use hertzscope::scope::{AcquireMode, Coupling, Source, TriggerSource};
@@ -246,7 +247,11 @@ fn effects_are_switched_and_come_back_as_they_were() {
     assert_eq!(gravity.acceleration, 9.81);
     // A loss that the scene does not name comes with numbers of its own.
     session.act(&[Action::NextKnob(TurnDirection::Up), Action::Switch]);
-    assert!(scene(&session).spec.effects.dashpot.is_some(), "{:?}", session.model.notice());
+    assert!(
+        scene(&session).spec.effects.loss(LossKind::Dashpot).is_some(),
+        "{:?}",
+        session.model.notice()
+    );
 }
 
 #[test]

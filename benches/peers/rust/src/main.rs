@@ -64,7 +64,7 @@ fn hertzscope(
         "recorded" => Watching::Recorded,
         other => return Err(format!("found {other}, expected bare, peaks, sampled or recorded")),
     };
-    let fail = |error: hertzscope::integrate::IntegrateError| error.to_string();
+    let fail = |error: hertzscope::motion::IntegrateError| error.to_string();
     let peaks = ours::run(case, method, Watching::Peaks).map_err(fail)?;
     let cpu = time(seconds, || {
         std::hint::black_box(ours::run(case, method, watching).ok());

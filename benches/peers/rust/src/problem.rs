@@ -5,9 +5,13 @@
 //! mass.
 //! `m x_i'' = A_i max(d_i + x_(i-1) - x_i, 0)^1.5 - A_(i+1) max(d_(i+1) + x_i - x_(i+1), 0)^1.5 + load_i`.
 
-use hertzscope::chain::{ChainSystem, ForceProbe};
+use hertzscope::chain::ForceProbe;
+use hertzscope::motion::force_segment::over_step;
+use hertzscope::motion::ChainSystem;
+use hertzscope::experiment::bench::start;
 use hertzscope::experiment::pulse::PulseRecorder;
-use hertzscope::integrate::{Method, State, System as _};
+use hertzscope::chain::State;
+use hertzscope::motion::{Method, System as _};
 use serde_json::{Value, json};
 
 use crate::common::scenes::Case;
@@ -100,9 +104,8 @@ impl Problem {
 fn reference(case: &Case) -> Vec<(usize, f64, f64)> {
     let bodies = case.chain.bodies().len();
     let state = State { time: 0.0, position: vec![0.0; bodies], velocity: case.velocities.clone() };
-    let system = ChainSystem::new(&case.chain, &case.velocities);
     let method = Method::DormandPrince853 { tolerance: REFERENCE };
-    let mut integrator = method.start(Box::new(system), state);
+    let mut integrator = start(&case.chain, method, state);
     let probes: Vec<ForceProbe> = case.probes();
     let impact = case.chain.impact_force(&case.velocities);
     let follow = |probe| PulseRecorder::new(probe, impact, &case.velocities);
@@ -111,7 +114,7 @@ fn reference(case: &Case) -> Vec<(usize, f64, f64)> {
         integrator.step(case.duration).expect("the reference runs");
         integrator.prepare_interpolation();
         for (pulse, probe) in pulses.iter_mut().zip(&probes) {
-            pulse.process_step(probe.over_step(integrator.as_ref(), bodies));
+            pulse.process_step(over_step(probe, integrator.as_ref(), bodies));
         }
     }
     let first = |(particle, pulse): (&usize, &PulseRecorder)| {

@@ -1,7 +1,6 @@
 //! A snapshot of the settings of a served scope.
 
 use crate::client::displayed;
-use crate::experiment::accuracy::of_scene;
 use crate::experiment::{Integration, facts};
 use crate::recording::set_file::SetFile;
 use crate::recording::{Capture, InstrumentIdentity, Origin, Shot, TraceSet};
@@ -247,8 +246,7 @@ impl ServedSnapshot {
         };
         let mut set = TraceSet { shots: vec![shot], ..TraceSet::default() };
         if let Some(scene) = scene {
-            let integration = of_scene(scene).map(|chosen| Integration::Accuracy(chosen.value));
-            if let Ok(facts) = integration.and_then(|how| facts::facts(scene, how)) {
+            if let Ok(facts) = facts::facts(scene, Integration::Accuracy(scene.accuracy)) {
                 set.metadata = facts;
             }
             set.metadata.extend(facts::shot_facts(scene, number, number));
