@@ -9,10 +9,8 @@
 //! protocol 2.0's encryption is not there, and a client that speaks it is told version 1.0. Locks
 //! bind HiSLIP sessions and VXI-11 links, not raw sockets.
 
-mod handle;
 pub mod message;
 mod server;
 mod session;
 
-pub use handle::RemoteControl;
-pub use server::Server;
+pub use server::{RemoteControl, Server};

@@ -8,10 +8,8 @@
 
 use std::collections::BTreeMap;
 
-use super::outcome::{Accepted, Finished, InFlight, TriggerInstant};
-use super::record::{AcquisitionSettings, Signals};
+use super::record::{AcquisitionSettings, Signals, TriggerInstant};
 use super::scan::Sweep;
-use super::timing::{after_trigger, before_trigger, samples, scans};
 use crate::scope::AcquireMode;
 use crate::scope::acquire::fold_average;
 use crate::scope::panel::StopAfter;
@@ -37,6 +35,45 @@ words! {
         /// Taking slow records without trigger.
         Scan = "SCAN",
     }
+}
+
+/// Result of signals at the inputs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Accepted {
+    /// The scope triggered; the record will be complete at this time (s).
+    Triggered {
+        /// When the record is complete (s).
+        complete_at: f64,
+    },
+    /// The scope scans: the signals go onto the sweep, without a trigger.
+    Scanned,
+    /// No trigger was found.
+    NoTrigger,
+    /// The scope was stopped or still filling the part before the trigger.
+    NotReady,
+    /// The signals have another sample interval than the set-up: they were made for another time
+    /// base, and are dropped.
+    OtherInterval,
+}
+
+/// Records on their way into memory.
+#[derive(Debug, Clone, PartialEq)]
+struct InFlight {
+    /// When they are complete (s).
+    complete_at: f64,
+    /// One record a displayed channel.
+    records: Vec<Waveform>,
+    /// The trigger; none if it was not a signal of the bench.
+    trigger: Option<TriggerInstant>,
+}
+
+/// A finished acquisition that is worth keeping: a triggered one, or the last of a single sequence.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finished {
+    /// One record a displayed channel, as in memory.
+    pub records: Vec<Waveform>,
+    /// The trigger; none if it was not a signal of the bench.
+    pub trigger: Option<TriggerInstant>,
 }
 
 /// State and memories.
@@ -328,6 +365,51 @@ impl Acquisition {
         }
         if was_triggered || !self.running {
             self.finished = Some(Finished { records, trigger });
+        }
+    }
+}
+
+/// Whether the scope scans instead of waiting for triggers.
+pub fn scans(setup: &Setup) -> bool {
+    setup.trigger.mode == TriggerMode::Auto && setup.model.scans(setup.time_base)
+}
+
+/// The nearest count of samples.
+pub fn samples(number: f64) -> usize {
+    number.round() as usize
+}
+
+/// Time that the part of the record before the trigger takes (s).
+pub fn before_trigger(setup: &Setup) -> f64 {
+    (-setup.record_span().0).max(0.0)
+}
+
+/// Time that the part of the record after the trigger takes (s).
+pub fn after_trigger(setup: &Setup) -> f64 {
+    setup.record_span().1.max(0.0)
+}
+
+/// The grid on which the instrument wants its signals, and how much of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SampleWindow {
+    /// Time base (s/div).
+    pub time_base: f64,
+    /// From one sample to the next (s).
+    pub interval: f64,
+    /// Time before the trigger that the record shows (s).
+    pub before: f64,
+    /// Time after the trigger that the record shows (s).
+    pub after: f64,
+}
+
+impl SampleWindow {
+    /// The window for a scope with these settings.
+    pub fn of(setup: &Setup) -> Self {
+        Self {
+            time_base: setup.time_base,
+            interval: setup.signal_interval(),
+            before: before_trigger(setup),
+            after: after_trigger(setup),
         }
     }
 }

@@ -15,24 +15,19 @@ pub mod fault;
 pub mod math;
 pub mod measure;
 mod memory;
-mod outcome;
-mod preparation;
 pub mod record;
 pub mod scan;
 mod service;
 pub mod status;
-pub mod timing;
 pub mod transfer;
 
+pub use acquisition::{Accepted, Finished, SampleWindow};
 pub use bench::{BenchAccess, RemoteBench};
 pub use event::Event;
 pub use fault::{Fault, Faults};
-pub use outcome::{Accepted, Finished, TriggerInstant};
-pub use preparation::{Preparation, Prepared};
-pub use record::Signals;
+pub use record::{Preparation, Prepared, Signals, TriggerInstant};
 pub use service::{AutosetSignal, Service};
 pub use status::Status;
-pub use timing::SampleWindow;
 
 use std::collections::BTreeMap;
 
@@ -258,7 +253,7 @@ impl Instrument {
     /// Records taken since the acquisition was started; always none in scan mode (manual,
     /// `ACQuire:NUMACq?`).
     pub fn acquisitions(&self) -> u32 {
-        if timing::scans(&self.setup) { 0 } else { self.acquisition.count() }
+        if acquisition::scans(&self.setup) { 0 } else { self.acquisition.count() }
     }
 
     /// Whether automatic measurements have nothing to measure: the scope scans, or draws one

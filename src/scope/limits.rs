@@ -5,7 +5,6 @@
 
 use super::Model;
 use super::model::{RANGE_END_FACTOR, nearest};
-use super::panel::Channel;
 
 /// A number to `digits` significant decimal digits, so that steps do not show the rounding of
 /// binary numbers (unit).
@@ -27,14 +26,6 @@ pub fn vertical_scale(model: &Model, (scale, probe): (f64, f64), fine: bool) -> 
         _ => nearest(scale / probe, steps),
     };
     rounded(at_input * probe, 9)
-}
-
-/// Turns a channel to the scale nearest to `scale` (V/div); the position stays within its reach
-/// there.
-pub fn turn_scale(model: &Model, channel: &mut Channel, scale: f64) {
-    let vertical = &mut channel.vertical;
-    vertical.scale = vertical_scale(model, (scale, vertical.probe), channel.fine);
-    vertical.position = vertical_position(model, vertical.position, vertical.scale, vertical.probe);
 }
 
 /// A vertical position at a scale through a probe, in steps of a level of the digitiser (div).

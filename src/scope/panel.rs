@@ -209,6 +209,17 @@ impl Default for Channel {
     }
 }
 
+impl Channel {
+    /// Turns the channel to the scale nearest to `scale` (V/div); the position keeps to its steps
+    /// and within its reach there.
+    pub fn turn_scale(&mut self, model: &Model, scale: f64) {
+        let vertical = &mut self.vertical;
+        vertical.scale = limits::vertical_scale(model, (scale, vertical.probe), self.fine);
+        let VerticalSetup { scale, position, probe, .. } = *vertical;
+        vertical.position = limits::vertical_position(model, position, scale, probe);
+    }
+}
+
 /// The time base's part of the front panel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Horizontal {

@@ -7,7 +7,7 @@ use rand_pcg::Pcg64;
 
 use super::model::Model;
 use super::waveform::VerticalSetup;
-use super::word::words;
+use super::word::{Word, words};
 
 /// A channel that is on.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,6 +103,22 @@ impl TriggerSource {
     /// Scale of the external input, by which its sensitivity is stated (V/div).
     pub fn external_scale(self, model: &Model) -> f64 {
         self.reach(model) / model.trigger_range
+    }
+}
+
+impl Word for TriggerSource {
+    const WORDS: &'static [(Self, &'static str)] = &[
+        (Self::Channel(1), "CH1"),
+        (Self::Channel(2), "CH2"),
+        (Self::Channel(3), "CH3"),
+        (Self::Channel(4), "CH4"),
+        (Self::External, "EXT"),
+        (Self::External5, "EXT5"),
+        (Self::Line, "LINE"),
+    ];
+
+    fn exists(self, channels: u8) -> bool {
+        self.channel().is_none_or(|number| number <= channels)
     }
 }
 

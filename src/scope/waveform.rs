@@ -3,7 +3,7 @@
 
 use std::fmt;
 
-use super::word::{Word as _, words};
+use super::word::{Word, words};
 
 /// Where a waveform comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -40,6 +40,28 @@ impl Source {
         }
         let number: u8 = upper.strip_prefix("CH")?.parse().ok()?;
         (1..=8).contains(&number).then_some(Self::Channel(number))
+    }
+}
+
+impl Word for Source {
+    const WORDS: &'static [(Self, &'static str)] = &[
+        (Self::Channel(1), "CH1"),
+        (Self::Channel(2), "CH2"),
+        (Self::Channel(3), "CH3"),
+        (Self::Channel(4), "CH4"),
+        (Self::Math, "MATH"),
+        (Self::Reference('A'), "REFA"),
+        (Self::Reference('B'), "REFB"),
+        (Self::Reference('C'), "REFC"),
+        (Self::Reference('D'), "REFD"),
+    ];
+
+    fn exists(self, channels: u8) -> bool {
+        match self {
+            Self::Channel(number) => number <= channels,
+            Self::Math => true,
+            Self::Reference(letter) => ('A'..='D').take(channels.into()).any(|l| l == letter),
+        }
     }
 }
 

@@ -1,8 +1,6 @@
 //! Settings that are words: one spelling, its capitals the shortest form that the remote interface
 //! takes.
 
-use super::{Source, TriggerSource};
-
 /// A setting that the remote interface names with one word.
 pub trait Word: Copy + PartialEq + Sync + 'static {
     /// Every choice with its spelling; the leading capitals and digits are the shortest form.
@@ -75,41 +73,3 @@ macro_rules! words {
     )+ };
 }
 pub(crate) use words;
-
-impl Word for TriggerSource {
-    const WORDS: &'static [(Self, &'static str)] = &[
-        (Self::Channel(1), "CH1"),
-        (Self::Channel(2), "CH2"),
-        (Self::Channel(3), "CH3"),
-        (Self::Channel(4), "CH4"),
-        (Self::External, "EXT"),
-        (Self::External5, "EXT5"),
-        (Self::Line, "LINE"),
-    ];
-
-    fn exists(self, channels: u8) -> bool {
-        self.channel().is_none_or(|number| number <= channels)
-    }
-}
-
-impl Word for Source {
-    const WORDS: &'static [(Self, &'static str)] = &[
-        (Self::Channel(1), "CH1"),
-        (Self::Channel(2), "CH2"),
-        (Self::Channel(3), "CH3"),
-        (Self::Channel(4), "CH4"),
-        (Self::Math, "MATH"),
-        (Self::Reference('A'), "REFA"),
-        (Self::Reference('B'), "REFB"),
-        (Self::Reference('C'), "REFC"),
-        (Self::Reference('D'), "REFD"),
-    ];
-
-    fn exists(self, channels: u8) -> bool {
-        match self {
-            Self::Channel(number) => number <= channels,
-            Self::Math => true,
-            Self::Reference(letter) => ('A'..='D').take(channels.into()).any(|l| l == letter),
-        }
-    }
-}

@@ -2,12 +2,13 @@
 
 use std::collections::VecDeque;
 
-use super::argument::none;
 use super::input::{InputBuffer, InputPiece, MAXIMUM_BYTES};
 use super::message::{MessageUnit, units};
 use super::reply;
 use super::reply::Preferences;
-use super::table::{self, Context, Deferred};
+use super::table::{Context, Deferred};
+use super::tree;
+use super::value::none;
 use crate::instrument::{Event, Instrument};
 
 /// A reply to be sent.
@@ -113,8 +114,8 @@ impl Session {
         self.reply(out)
     }
 
-    /// Device trigger (IEEE 488.2, group execute trigger): executes what `*TRG` stands for, beside a
-    /// message that may have begun.
+    /// Device trigger (IEEE 488.2, group execute trigger): executes what `*TRG` stands for, beside
+    /// a message that may have begun.
     pub fn trigger(&mut self, instrument: &mut Instrument) -> Reply {
         let mut out = Vec::new();
         self.take(instrument, InputPiece::Message(b"*TRG".to_vec()), &mut out);
@@ -282,7 +283,7 @@ impl Session {
             if unit.from_root || is_common { Vec::new() } else { progress.path.clone() };
         words.extend(unit.header.iter().cloned());
         let channels = instrument.model.channels;
-        let found = table::find(&words, channels).filter(|_| !(is_common && unit.from_root));
+        let found = tree::find(&words, channels).filter(|_| !(is_common && unit.from_root));
         let found = found.ok_or(Event::UndefinedHeader)?;
         if !is_common {
             words.pop();
@@ -308,7 +309,7 @@ impl Session {
         if progress.indefinite {
             return Err(Event::QueryAfterIndefinite.into());
         }
-        let answers = table::query(found, &mut context)?;
+        let answers = tree::query(found, &mut context)?;
         progress.by_instrument |= !found.row.header.starts_with("BENCh");
         let is_setup = matches!(found.row.header, "SET" | "*LRN");
         let header = self.preferences.header || is_setup;

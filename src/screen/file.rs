@@ -1,6 +1,7 @@
 //! Pictures as files: Windows bitmap and TIFF.
 //!
-//! Sources: BMP as in the Windows SDK (`BITMAPINFOHEADER`); TIFF 6.0, palette colour, no compression.
+//! Sources: BMP as in the Windows SDK (`BITMAPINFOHEADER`); TIFF 6.0, palette colour, no
+//! compression.
 
 use super::picture::{HEIGHT, Picture, WIDTH};
 

@@ -308,8 +308,8 @@ impl InstrumentTask {
         }
     }
 
-    /// The connection, of this peer if one is given, that has been idle for longest, if any is. One whose reply waits for an
-    /// acquisition is not; the two of a HiSLIP session are idle together.
+    /// The connection, of this peer if one is given, that has been idle for longest, if any is. One
+    /// whose reply waits for an acquisition is not; the two of a HiSLIP session are idle together.
     fn longest_idle(&self, peer: Option<IpAddr>) -> Option<u64> {
         let heard = |number: u64| {
             let own = self.connections.get(&number).map(|connection| connection.heard);

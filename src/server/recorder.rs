@@ -45,8 +45,8 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Takes over an open writer, which writes up to `limit` (bytes); `served` is the scene that the
-    /// server was started with. `warn` is called if the recording ends before the server.
+    /// Takes over an open writer, which writes up to `limit` (bytes); `served` is the scene that
+    /// the server was started with. `warn` is called if the recording ends before the server.
     ///
     /// # Errors
     /// The system's error if the writer's thread cannot be started.

@@ -1,8 +1,8 @@
 //! Writes a log or a recording on a thread of its own, so that no client waits for a disk that has
 //! stalled or for a pipe that is not read.
 //!
-//! The queue to the thread is limited in bytes. Entries that do not fit are dropped and counted, and
-//! the count is written where they would have been.
+//! The queue to the thread is limited in bytes. Entries that do not fit are dropped and counted,
+//! and the count is written where they would have been.
 
 use std::fmt::Display;
 use std::io;

@@ -4,8 +4,9 @@
 //! (ONC RPC), and creates links to the instrument on it; a link is a session. [`rpc`] takes records
 //! and calls apart, [`procedure`] knows their arguments, [`Vxi11Server`] holds channels and links
 //! together and tells what is to be sent where, [`port_mapper`] answers clients that ask for the
-//! port. The abort channel is a second connection to the same port. Sources: VXI-11, TCP/IP Instrument Protocol
-//! Specification, revision 1.0 (1995); RFC 5531 (RPC), RFC 4506 (XDR), RFC 1833 (port mapper).
+//! port. The abort channel is a second connection to the same port. Sources: VXI-11, TCP/IP
+//! Instrument Protocol Specification, revision 1.0 (1995); RFC 5531 (RPC), RFC 4506 (XDR), RFC 1833
+//! (port mapper).
 //!
 //! Limits: `device_docmd` is not supported, as the instrument has no interface to command; nor are
 //! interrupt channels, on which the server would connect to the client: service requests show in

@@ -175,11 +175,11 @@ fn a_new_client_starts_with_nothing_of_another() {
     let mut one = server.connect();
     one.send(b"HEAD ON;VERB OFF;:RS232:TRAN:TERM CRLF;:CH1:SCA?\n");
     assert_eq!(one.line(), ":CH1:SCA 1.0E0\r\n");
-    one.send(b"CH1:SCA 2;");
+    one.send(b":CH1:SCA 2;");
     let mut two = server.connect();
     assert_eq!(two.ask("CH1:SCA?"), "1.0E0\n");
     assert_eq!(two.ask("TRIG:MAI:EDGE:SLO?"), "RISE\n");
-    assert_eq!(one.ask("CH1:SCA?"), ":CH1:SCA 2.0E0\r\n");
+    assert_eq!(one.ask(":CH1:SCA?"), ":CH1:SCA 2.0E0\r\n");
 }
 
 #[test]

@@ -1,13 +1,11 @@
 //! The bench behind the instrument: `BENCh`. No real oscilloscope has these commands.
 
 use crate::instrument::{BenchAccess, Event};
-use crate::scope::limits;
-use crate::scpi::argument::{flag, none, only, real};
 use crate::scpi::message::Argument;
 use crate::scpi::table::Setting::{Both, Query};
 use crate::scpi::table::{Context, Deferred, Group, Parts, Setting, own};
 use crate::scpi::value;
-use crate::scpi::value::ReplyValue;
+use crate::scpi::value::{ReplyValue, flag, none, only, real};
 use crate::trace::Trace;
 
 /// The group, a row a line.
@@ -129,7 +127,7 @@ fn set_fine(context: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Def
     let model = &context.instrument.model;
     let channel = context.instrument.panel.channel_mut(context.suffix.number);
     channel.fine = fine;
-    limits::turn_scale(model, channel, channel.vertical.scale);
+    channel.turn_scale(model, channel.vertical.scale);
     Ok(())
 }
 

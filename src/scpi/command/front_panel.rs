@@ -15,13 +15,12 @@ use crate::scope::panel::{
 };
 use crate::scope::word::{Word as _, words};
 use crate::scope::{Coupling, Source, TriggerSource};
-use crate::scpi::argument::{flag, none, real, text, whole, word};
 use crate::scpi::message::Argument;
 use crate::scpi::table::Setting::{Both, Command, GroupAndCommand, Number, Query, StoredInSetup};
 use crate::scpi::table::{
     Context, Deferred, Group, Parts, Setting, Slot, Stored, Suffix, acts, alias, stub,
 };
-use crate::scpi::value::ReplyValue;
+use crate::scpi::value::{ReplyValue, flag, none, real, text, whole, word};
 
 words! {
     /// Argument of `ACQuire:STATE`.
@@ -507,6 +506,6 @@ fn set_scale(context: &mut Context<'_>, arguments: &[Argument]) -> Result<(), De
     let typed = real(arguments)?;
     let model = &context.instrument.model;
     let channel = context.instrument.panel.channel_mut(context.suffix.number);
-    limits::turn_scale(model, channel, typed);
+    channel.turn_scale(model, typed);
     Ok(())
 }

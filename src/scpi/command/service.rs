@@ -5,13 +5,12 @@ use crate::instrument::{Event, SETUP_MEMORIES};
 use crate::scope::Source;
 use crate::scope::panel::{HardCopyFormat, Port};
 use crate::scope::word::{Word as _, words};
-use crate::scpi::argument::{flag, none, only, real, text, word};
 use crate::scpi::message::Argument;
 use crate::scpi::table::Setting::{Both, Command, Query};
 use crate::scpi::table::{
     Context, Deferred, Group, Parts, Setting, Slot, Stored, acts, alias, refused, stub,
 };
-use crate::scpi::value::ReplyValue;
+use crate::scpi::value::{ReplyValue, flag, none, only, real, text, word};
 use crate::screen::{PictureFormat, Screen, draw, file};
 
 words! {
@@ -129,8 +128,8 @@ const SETUP: [&str; 54] = [
     "MATH:FFT",
 ];
 
-/// `*CAL`, `*TST`, `CALibrate`, `DIAg`, `ERRLOG`. The virtual instrument needs neither calibration nor
-/// diagnosis; everything has passed.
+/// `*CAL`, `*TST`, `CALibrate`, `DIAg`, `ERRLOG`. The virtual instrument needs neither calibration
+/// nor diagnosis; everything has passed.
 #[rustfmt::skip]
 pub const CALIBRATION: Group = Group {
     title: "Calibration and diagnostic",

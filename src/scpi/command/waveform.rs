@@ -1,8 +1,8 @@
 //! Waveforms: how they travel (`DATa`), their preambles (`WFMPre`), their points (`CURVe`).
 //!
 //! Queries of the preamble are about the waveform that `DATa:SOUrce` names, commands about the one
-//! that `CURVe` will bring. With two bytes a point the level of the converter is the high byte, so a
-//! step is 1/256 of a level; positive numbers begin at the lowest level. Text is always signed.
+//! that `CURVe` will bring. With two bytes a point the level of the converter is the high byte, so
+//! a step is 1/256 of a level; positive numbers begin at the lowest level. Text is always signed.
 //! Sources: user manuals of the TDS1012 (p. 182, 187) and TDS2022 (p. 190), real replies.
 
 use crate::instrument::Event;
@@ -13,12 +13,11 @@ use crate::scope::set_up::waveform_id;
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 use crate::scope::word::{Word as _, words};
 use crate::scope::{AcquireMode, Coupling, PointFormat, Preamble, Source, VerticalSetup, Waveform};
-use crate::scpi::argument::{only, real, text, whole, word};
 use crate::scpi::message::Argument;
 use crate::scpi::table::Setting::{Both, GroupAndCommand, Query};
 use crate::scpi::table::{Context, Deferred, Group, Parts, Setting, Slot, acts, alias, stub};
 use crate::scpi::value;
-use crate::scpi::value::{ReplyValue, setting};
+use crate::scpi::value::{ReplyValue, only, real, setting, text, whole, word};
 
 words! {
     /// Argument of `DATa`.

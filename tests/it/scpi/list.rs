@@ -1,8 +1,8 @@
 //! The table of commands, and the document made from it.
 
 use hertzscope::scpi::list::markdown;
-use hertzscope::scpi::table;
 use hertzscope::scpi::table::Support;
+use hertzscope::scpi::tree;
 
 /// A change detector: the document is made from the table. `HERTZSCOPE_WRITE=1` writes it instead
 /// of comparing.
@@ -19,7 +19,7 @@ fn the_document_is_the_table() {
 /// Every row is reached by its full header and by its short one.
 #[test]
 fn every_row_is_found_by_its_own_header() {
-    for row in table::rows() {
+    for row in tree::rows() {
         let header =
             row.header.replace("<wfm>", "MATH").replace("REF<x>", "REFB").replace("<x>", "2");
         let short = |word: &str| word.trim_end_matches(|c: char| c.is_ascii_lowercase()).to_owned();
@@ -30,7 +30,7 @@ fn every_row_is_found_by_its_own_header() {
             _ => row.header,
         };
         for words in [full, shortened] {
-            let found = table::find(&words, 4).unwrap_or_else(|| panic!("{words:?} is not found"));
+            let found = tree::find(&words, 4).unwrap_or_else(|| panic!("{words:?} is not found"));
             assert_eq!(found.row.header, expected, "{words:?}");
         }
     }
@@ -39,7 +39,7 @@ fn every_row_is_found_by_its_own_header() {
 #[test]
 fn a_model_with_two_channels_has_two() {
     let words = |text: &str| text.split(':').map(str::to_owned).collect::<Vec<String>>();
-    assert!(table::find(&words("CH2:SCA"), 2).is_some());
-    assert!(table::find(&words("CH3:SCA"), 2).is_none());
-    assert!(table::find(&words("WFMP:CH3:YOF"), 2).is_none());
+    assert!(tree::find(&words("CH2:SCA"), 2).is_some());
+    assert!(tree::find(&words("CH3:SCA"), 2).is_none());
+    assert!(tree::find(&words("WFMP:CH3:YOF"), 2).is_none());
 }

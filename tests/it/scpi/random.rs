@@ -2,7 +2,7 @@
 
 use super::bench::model;
 use hertzscope::instrument::{Accepted, Instrument, SampleWindow, Signals};
-use hertzscope::scpi::{Preferences, Session, table};
+use hertzscope::scpi::{Preferences, Session, tree};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
@@ -46,7 +46,7 @@ fn random_bytes_never_panic() {
 #[test]
 fn random_arguments_never_panic() {
     let instrument = Instrument::new(model(), 0.0, 1);
-    let headers: Vec<String> = table::rows()
+    let headers: Vec<String> = tree::rows()
         .map(|row| {
             row.header.replace("<wfm>", "MATH").replace("REF<x>", "REFB").replace("<x>", "2")
         })

@@ -200,7 +200,7 @@ fn the_trigger_level_stays_within_reach_whatever_is_turned() {
         assert_eq!(bench.ask("TRIG:MAI:LEV?"), level, "after {turned}");
     }
     // A set-up that is recalled, too.
-    bench.tell("CH1:SCA 5;:TRIG:MAI:LEV 40;:*SAV 3;:CH1:SCA 0.02;:*RCL 3");
+    bench.tell("CH1:SCA 5;:TRIG:MAI:LEV 40;*SAV 3;:CH1:SCA 0.02;*RCL 3");
     assert_eq!(bench.ask("TRIG:MAI:LEV?;:CH1:SCA?"), "4.0E1;5.0E0");
 }
 

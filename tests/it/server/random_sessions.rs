@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use hertzscope::hislip::message::MessageHeader;
-use hertzscope::scpi::table;
+use hertzscope::scpi::tree;
 
 use super::process::Process;
 use super::{IDENTITY, connect};
@@ -100,7 +100,7 @@ fn message(random: &mut Random, headers: &[String]) -> String {
 fn headers() -> Vec<String> {
     let filled =
         |header: &str| header.replace("<wfm>", "CH2").replace("REF<x>", "REFB").replace("<x>", "2");
-    table::rows().map(|row| filled(row.header)).collect()
+    tree::rows().map(|row| filled(row.header)).collect()
 }
 
 fn dial(address: SocketAddr) -> TcpStream {

@@ -15,8 +15,8 @@ use std::path::{Path, PathBuf};
 
 use hertzscope::scpi::command::GROUPS;
 use hertzscope::scpi::message::units;
-use hertzscope::scpi::table;
 use hertzscope::scpi::table::Support;
+use hertzscope::scpi::tree;
 
 use super::{Client, IDENTITY, Server};
 
@@ -75,7 +75,7 @@ fn reached(typed: &str) -> Vec<(&'static str, bool)> {
     let messages = typed.lines().filter_map(|line| line.strip_prefix("> "));
     let units = messages.flat_map(|message| units(message.as_bytes())).filter_map(Result::ok);
     let found =
-        units.filter_map(|unit| Some((table::find(&unit.header, 4)?.row.header, unit.is_query)));
+        units.filter_map(|unit| Some((tree::find(&unit.header, 4)?.row.header, unit.is_query)));
     found.collect()
 }
 
