@@ -84,15 +84,10 @@ impl Baseline {
         conditions: &Conditions,
         scatter: &dyn Fn() -> MovingScatter,
     ) -> Result<(Self, Option<AtRest>), PulseError> {
-        let before = Before::of(trace, conditions.level);
         let (range, foot) = match conditions.baseline {
             Some(gate) => (gate.range(trace), 0.0),
-            None => before.baseline(),
+            None => Before::of(trace, conditions.level).baseline(trace)?,
         };
-        if foot > MAX_FOOT_SHARE * before.top && range.len() >= MIN_BASELINE_SAMPLES {
-            let (trace, share) = (trace.name.clone(), foot / before.top);
-            return Err(PulseError::NoZero { trace, share });
-        }
         let values = trace.values.get(range.clone()).unwrap_or_default();
         if values.len() < MIN_BASELINE_SAMPLES {
             let samples = values.len();
@@ -100,13 +95,6 @@ impl Baseline {
         }
         let count = values.len() as f64;
         let Moments { mean, deviation: rms, .. } = Moments::of(values);
-        if conditions.baseline.is_none() && before.is_moving(rms, values.len()) {
-            return Err(PulseError::NotAtRest {
-                trace: trace.name.clone(),
-                rms,
-                noise: before.noise,
-            });
-        }
         let step = conditions.level;
         let rest = (rms < DITHERED_RMS * step).then(|| AtRest::of(values, step, scatter()));
         let (level, spread, rounding) = if let Some(rest) = &rest {
@@ -241,19 +229,33 @@ impl Before {
         (height(count as f64) - height(0.0)) * self.growth / count.max(1) as f64
     }
 
-    /// Where the baseline lies, and the mean of the foot in it, if it counts (unit).
-    fn baseline(&self) -> (Range<usize>, f64) {
+    /// Where the baseline lies, and the mean of the foot in it, if it counts (unit): the longest
+    /// part at rest, or a shorter one with less of the foot.
+    fn baseline(&self, trace: &Trace) -> Result<(Range<usize>, f64), PulseError> {
         let end = |share: f64| (share * self.samples as f64) as usize;
         let noise = |count: usize| self.noise / (count.max(1) as f64).sqrt();
-        let usual = end(BASELINE_SHARE);
-        if self.foot(usual) < MIN_FOOT_SHARE * noise(usual) {
-            return (0..usual, 0.0);
-        }
         let error = |count: usize| noise(count).hypot(self.foot(count));
+        let rms =
+            |count: usize| Moments::of(trace.values.get(..count).unwrap_or_default()).deviation;
+        let usual = end(BASELINE_SHARE);
         let shorter = SHORTER_SHARES.map(end).into_iter().filter(|n| *n >= MIN_BASELINE_SAMPLES);
         let ends = std::iter::once(usual).chain(shorter);
-        let best = ends.min_by(|a, b| error(*a).total_cmp(&error(*b))).unwrap_or(usual);
-        (0..best, self.foot(best))
+        let resting: Vec<usize> = ends.filter(|n| !self.is_moving(rms(*n), *n)).collect();
+        let Some(longest) = resting.first().copied() else {
+            let (trace, noise) = (trace.name.clone(), self.noise);
+            return Err(PulseError::NotAtRest { trace, rms: rms(usual), noise });
+        };
+        if self.foot(longest) < MIN_FOOT_SHARE * noise(longest) {
+            return Ok((0..longest, 0.0));
+        }
+        let best = resting.into_iter().min_by(|a, b| error(*a).total_cmp(&error(*b)));
+        let best = best.unwrap_or(longest);
+        let foot = self.foot(best);
+        if foot > MAX_FOOT_SHARE * self.top && best >= MIN_BASELINE_SAMPLES {
+            let (trace, share) = (trace.name.clone(), foot / self.top);
+            return Err(PulseError::NoZero { trace, share });
+        }
+        Ok((0..best, foot))
     }
 
     /// True if a baseline of `count` samples with this root mean square varies by more than noise:
