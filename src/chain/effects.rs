@@ -189,8 +189,8 @@ pub struct MagnetLaw;
 /// What a temperature in kelvin is above one in degrees Celsius.
 const ZERO_CELSIUS: f64 = 273.15;
 
-/// `[effects.magnet_preload]`: a magnet that pulls one ferromagnetic particle, with a constant force
-/// or as a ring or a measured table says.
+/// `[effects.magnet_preload]`: a magnet that pulls one ferromagnetic particle, with a constant
+/// force or as a ring or a measured table says.
 ///
 /// The constant force is what the paper's calculations use. Source: Herbold et al. (2009), section
 /// II; Daraio et al., Phys. Rev. E 73, 026610 (2006). In the static state the others are a constant

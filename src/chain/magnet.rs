@@ -14,7 +14,7 @@ use super::{Body, ChainError, ChainSpec, Contact, End, hertz};
 use crate::magnet::{ForceLaw, ForceTable, RingField, Sphere};
 
 /// Forces at which a static state is looked for.
-const LOOKS: u32 = 1000;
+const SAMPLES: u32 = 1000;
 /// Halvings of the interval in which one is found: to the last bit.
 const HALVINGS: usize = 60;
 
@@ -199,11 +199,11 @@ impl Column {
             return Err(ChainError::MagnetWithoutWall);
         }
         let excess = |force: f64| field.force(distance - self.sinks(force)) - force;
-        let most = (0..=LOOKS)
-            .map(|i| field.force(distance - self.sinks(1.0) * f64::from(i) / f64::from(LOOKS)))
+        let most = (0..=SAMPLES)
+            .map(|i| field.force(distance - self.sinks(1.0) * f64::from(i) / f64::from(SAMPLES)))
             .fold(0.0, f64::max);
-        let look = |i: u32| 2.0 * most * f64::from(i) / f64::from(LOOKS);
-        let found = (0..LOOKS).find(|i| excess(look(*i)) > 0.0 && excess(look(i + 1)) <= 0.0);
+        let look = |i: u32| 2.0 * most * f64::from(i) / f64::from(SAMPLES);
+        let found = (0..SAMPLES).find(|i| excess(look(*i)) > 0.0 && excess(look(i + 1)) <= 0.0);
         let Some(found) = found else { return Err(ChainError::MagnetSnaps { distance }) };
         let (mut low, mut high) = (look(found), look(found + 1));
         for _ in 0..HALVINGS {

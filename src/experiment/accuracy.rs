@@ -7,9 +7,9 @@
 use std::time::Instant;
 
 use super::auto_effects::resolve_auto_effects;
-use super::estimate::{ErrorEstimate, deviates_from, reference_error};
+use super::estimate::{deviates_from, estimate, reference_error};
 use super::method_choice::{controlled_for, method_for};
-use super::outcome::{Assessment, MAX_ENERGY_DRIFT};
+use super::outcome::{Assessment, ErrorEstimate, MAX_ENERGY_DRIFT};
 use super::run::Run;
 use super::{Integration, Outcome, RunError, method};
 use crate::motion::Method;
@@ -88,15 +88,15 @@ pub fn climb<'a>(
     loop {
         let tighter = reference_tolerance(tolerance);
         let reference = simulate(runs, controlled_for(&scene.chain, &velocities, tighter))?;
-        let estimate = ErrorEstimate::between(&run, &reference, tighter);
-        let is_accurate = estimate.as_ref().is_some_and(|error| error.worst() <= accuracy)
+        let found = estimate(&run, &reference, tighter);
+        let is_accurate = found.as_ref().is_some_and(|error| error.worst() <= accuracy)
             && run.energy().is_kept(MAX_ENERGY_DRIFT);
         if is_accurate || runs == MAX_RUNS || tighter <= MIN_TOLERANCE {
             let since = |limit: f64| deviates_from(&run, &reference, tighter, limit);
             let notes = shorter_steps(tolerance, accuracy);
             let assessment = Assessment {
-                notes: notes.into_iter().chain(doubt(estimate.as_ref(), accuracy)).collect(),
-                estimate: estimate.map(|e| ErrorEstimate { trace_holds_s: since(accuracy), ..e }),
+                notes: notes.into_iter().chain(doubt(found.as_ref(), accuracy)).collect(),
+                estimate: found.map(|e| ErrorEstimate { trace_holds_s: since(accuracy), ..e }),
                 energy_advice: "a tighter accuracy",
                 unreliable: since(accuracy.sqrt()).map(|time| (time, accuracy.sqrt())),
             };
@@ -125,7 +125,7 @@ pub fn run_by_hand(
         progress(time / scene.duration);
     })?;
     let velocities = scene.velocities(shot);
-    let (mut estimate, mut unreliable, mut notes) = (None, None, Vec::new());
+    let (mut found, mut unreliable, mut notes) = (None, None, Vec::new());
     for tolerance in BY_HAND_TOLERANCES {
         let method = controlled_for(&scene.chain, &velocities, tolerance);
         let reference = match Run::new(scene, shot, method, &mut |_| ()) {
@@ -136,8 +136,8 @@ pub fn run_by_hand(
                 break;
             }
         };
-        estimate = ErrorEstimate::between(&run, &reference, tolerance);
-        let worst = estimate.as_ref().map_or(f64::INFINITY, ErrorEstimate::worst);
+        found = estimate(&run, &reference, tolerance);
+        let worst = found.as_ref().map_or(f64::INFINITY, ErrorEstimate::worst);
         let limit = worst.max(TIGHTEST_ACCURACY).sqrt();
         let since = deviates_from(&run, &reference, tolerance, limit);
         unreliable = since.filter(|_| worst <= NOTED_ERROR).map(|time| (time, limit));
@@ -147,9 +147,9 @@ pub fn run_by_hand(
     }
     let is_fixed = by_hand.fixed_step().is_some();
     let setting = if is_fixed { "step" } else { "tolerance" };
-    notes.extend(too_coarse(setting, estimate.as_ref()).filter(|_| notes.is_empty()));
+    notes.extend(too_coarse(setting, found.as_ref()).filter(|_| notes.is_empty()));
     let assessment = Assessment {
-        estimate,
+        estimate: found,
         notes,
         energy_advice: if is_fixed { "a shorter step" } else { "a tighter tolerance" },
         unreliable,

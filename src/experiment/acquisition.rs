@@ -15,7 +15,7 @@ use crate::trace::Trace;
 /// further up.
 const AVERAGED_SHOT_BITS: u32 = 20;
 /// Most samples of a trace of the truth.
-const MOST_OF_TRUTH: usize = 50_000;
+const MAX_TRUTH_SAMPLES: usize = 50_000;
 
 /// The signal at each channel's probe, conditioned by the front end; `None` for channels that are
 /// off (V).
@@ -167,9 +167,9 @@ fn average(scene: &Scene, bench: &Bench<'_>, captures: &mut [Capture], number: u
     }
 }
 
-/// A trace with at most [`MOST_OF_TRUTH`] samples: of more, every second, third, and so on.
+/// A trace with at most [`MAX_TRUTH_SAMPLES`] samples: of more, every second, third, and so on.
 fn thinned(trace: Trace) -> Trace {
-    let step = trace.values.len().div_ceil(MOST_OF_TRUTH).max(1);
+    let step = trace.values.len().div_ceil(MAX_TRUTH_SAMPLES).max(1);
     let values = trace.values.into_iter().step_by(step).collect();
     Trace { interval: trace.interval * step as f64, values, ..trace }
 }

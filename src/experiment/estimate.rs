@@ -1,8 +1,6 @@
 //! Errors of a run: its differences from a more accurate one, in first peaks, arrivals and traces.
 
-use serde::Serialize;
-
-use super::outcome::Reading;
+use super::outcome::{ErrorEstimate, Reading};
 use super::run::Run;
 use crate::scene::input_load;
 use crate::scope::waveform::LEVELS_PER_DIVISION;
@@ -16,54 +14,28 @@ const REFERENCE_MARGIN: f64 = 10.0;
 /// of the difference in the shipped scenes (1).
 const TRACE_MARGIN: f64 = 2.0;
 
-/// Estimated errors of a run's first peaks, arrivals and traces.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ErrorEstimate {
-    /// Relative error of first-peak dynamic forces, the largest of all places (1).
-    pub peak: f64,
-    /// Relative error of first-peak times, half-rises and tenths, the largest of all places (1).
-    pub arrival: f64,
-    /// Largest deviation of the force at any sensor, at the scope's sample times up to the end of
-    /// the scene's duration, relative to the largest dynamic one there; none if no sensor has a
-    /// pulse (1).
-    pub trace: Option<f64>,
-    /// Time up to which no trace deviates by more than the accuracy asked for; none if none ever
-    /// does, or if none was asked for (s).
-    pub trace_holds_s: Option<f64>,
-    /// The reference of the estimate.
-    pub how: String,
-}
-
-impl ErrorEstimate {
-    /// The larger of the errors of peaks and arrivals, which an accuracy limits (1).
-    pub fn worst(&self) -> f64 {
-        self.peak.max(self.arrival)
+/// Errors of `run`: its differences from a `reference` at a smaller `tolerance` (1), plus what
+/// that one may be off itself. None if the two have different pulses, or pulses below the
+/// reference's own error.
+pub fn estimate(run: &Run<'_>, reference: &Run<'_>, tolerance: f64) -> Option<ErrorEstimate> {
+    let own = REFERENCE_MARGIN * tolerance;
+    let (first, second) = (run.readings(), reference.readings());
+    let pulses = |readings: &[Reading]| {
+        readings.iter().filter(|reading| reading.first_peak.is_some()).count()
+    };
+    let faintest = own * run.impact_force();
+    let mut peaks = second.iter().filter_map(|reading| reading.first_peak);
+    if pulses(&first) != pulses(&second) || peaks.any(|peak| peak.dynamic_n < faintest) {
+        return None;
     }
-
-    /// Errors of `run`: its differences from a `reference` at a smaller `tolerance` (1), plus what
-    /// that one may be off itself. None if the two have different pulses, or pulses below the
-    /// reference's own error.
-    pub fn between(run: &Run<'_>, reference: &Run<'_>, tolerance: f64) -> Option<Self> {
-        let own = REFERENCE_MARGIN * tolerance;
-        let (first, second) = (run.readings(), reference.readings());
-        let pulses = |readings: &[Reading]| {
-            readings.iter().filter(|reading| reading.first_peak.is_some()).count()
-        };
-        let faintest = own * run.impact_force();
-        let mut peaks = second.iter().filter_map(|reading| reading.first_peak);
-        if pulses(&first) != pulses(&second) || peaks.any(|peak| peak.dynamic_n < faintest) {
-            return None;
-        }
-        let largest =
-            |error| Some(largest_error(&first, &second, error)? + own.max(ROUNDING_ERROR));
-        Some(Self {
-            peak: largest(peak_error)?,
-            arrival: largest(arrival_error)?,
-            trace: trace_error(run, reference).map(|error| TRACE_MARGIN * error + own),
-            trace_holds_s: None,
-            how: format!("estimated from a second run at accuracy {tolerance:.0e}"),
-        })
-    }
+    let largest = |error| Some(largest_error(&first, &second, error)? + own.max(ROUNDING_ERROR));
+    Some(ErrorEstimate {
+        peak: largest(peak_error)?,
+        arrival: largest(arrival_error)?,
+        trace: trace_error(run, reference).map(|error| TRACE_MARGIN * error + own),
+        trace_holds_s: None,
+        how: format!("estimated from a second run at accuracy {tolerance:.0e}"),
+    })
 }
 
 /// Relative error of the reference runs that an estimate adds for a reference at `tolerance` (1).

@@ -15,14 +15,14 @@ use crate::motion::IntegrateError;
 
 /// From one time at which states are compared to the next (1): a horizon is known to a twentieth,
 /// however long is simulated.
-const PACE: f64 = 1.05;
+const LOOK_RATIO: f64 = 1.05;
 /// How much more accurate the second motion is (1).
-const TIGHTER: f64 = 0.01;
+const TIGHTENING: f64 = 0.01;
 /// Two motions of the same accuracy share the size of their errors, not the errors: the estimate
 /// may be off by so much (1).
 const SAFETY_FACTOR: f64 = 4.0;
 /// The second motion's steps tolerate at least this much: rounding is no error of the method (1).
-const TIGHTEST: f64 = 1e-14;
+const MIN_TOLERANCE: f64 = 1e-14;
 
 /// The last of the times at which states were compared before the error of a motion at `accuracy`,
 /// from rest under `velocities` (m/s) over `duration` (s), may have exceeded `sqrt(accuracy)` of
@@ -36,7 +36,7 @@ pub fn horizon(
     duration: f64,
     accuracy: f64,
 ) -> Result<Option<f64>, IntegrateError> {
-    let mut motions = [accuracy, (accuracy * TIGHTER).max(TIGHTEST)].map(|accuracy| {
+    let mut motions = [accuracy, (accuracy * TIGHTENING).max(MIN_TOLERANCE)].map(|accuracy| {
         let method = method_for(chain, velocities, accuracy);
         start(chain, method, chain.initial_state(velocities))
     });
@@ -54,7 +54,7 @@ pub fn horizon(
         if SAFETY_FACTOR * (overlap / scales.0).max(speed / scales.1) > accuracy.sqrt() {
             return Ok(Some(before));
         }
-        (before, end) = (end, PACE * end);
+        (before, end) = (end, LOOK_RATIO * end);
     }
     Ok(None)
 }

@@ -26,9 +26,7 @@ pub mod parallel;
 pub mod prediction;
 mod probe_record;
 pub mod pulse;
-mod roots;
 pub mod run;
-mod segment;
 
 pub use accuracy::reference_tolerance;
 pub use error::RunError;

@@ -5,7 +5,6 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use super::estimate::ErrorEstimate;
 use super::paper_speeds::PaperSpeed;
 use super::pulse::{FOOT_SHARE, HALF_RISE_SHARE, PEAK_SHARE, PassedOver, Peak, PulseRecorder};
 use crate::chain::{Chain, Dissipated, Energy};
@@ -86,6 +85,31 @@ pub struct Summary {
     pub trigger: TriggerReport,
     /// Notes for the user about this run.
     pub notes: Vec<Note>,
+}
+
+/// Estimated errors of a run's first peaks, arrivals and traces.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ErrorEstimate {
+    /// Relative error of first-peak dynamic forces, the largest of all places (1).
+    pub peak: f64,
+    /// Relative error of first-peak times, half-rises and tenths, the largest of all places (1).
+    pub arrival: f64,
+    /// Largest deviation of the force at any sensor, at the scope's sample times up to the end of
+    /// the scene's duration, relative to the largest dynamic one there; none if no sensor has a
+    /// pulse (1).
+    pub trace: Option<f64>,
+    /// Time up to which no trace deviates by more than the accuracy asked for; none if none ever
+    /// does, or if none was asked for (s).
+    pub trace_holds_s: Option<f64>,
+    /// The reference of the estimate.
+    pub how: String,
+}
+
+impl ErrorEstimate {
+    /// The larger of the errors of peaks and arrivals, which an accuracy limits (1).
+    pub fn worst(&self) -> f64 {
+        self.peak.max(self.arrival)
+    }
 }
 
 /// A first peak that exceeds its threshold by so much stays one, and what lacks so much of it

@@ -5,14 +5,15 @@ use super::system::{Scales, System};
 use crate::chain::State;
 
 /// A step is chosen to meet the tolerance with this margin (1).
-const SAFETY: f64 = 0.8;
+const SAFETY_FACTOR: f64 = 0.8;
 /// A step shrinks at most by this factor (1).
-const SMALLEST_CHANGE: f64 = 0.2;
+const MIN_CHANGE: f64 = 0.2;
 /// Default limit on the growth of a step; [`StepControl::growing`] sets a smaller one (1).
-const LARGEST_CHANGE: f64 = 5.0;
+const MAX_CHANGE: f64 = 5.0;
 /// Shortest step, in multiples of the rounding error of the time. A shorter one, shrunk by
-/// [`SAFETY`] after a rejection, could round to the same step, and the run would never end (1).
-const SHORTEST: f64 = 4.0;
+/// [`SAFETY_FACTOR`] after a rejection, could round to the same step, and the run would never end
+/// (1).
+const MIN_STEP_ROUNDINGS: f64 = 4.0;
 
 /// A rest of an interval shorter than this share of a step is part of the step (1).
 pub const REMAINDER: f64 = 1e-6;
@@ -94,7 +95,7 @@ impl StepControl {
     /// Starts with `step` (s); a step's error goes as its length to the power `error_order + 1`.
     pub fn new(step: f64, error_order: u8) -> Self {
         let exponent = -1.0 / f64::from(error_order + 1);
-        Self { step, growth: LARGEST_CHANGE, exponent, after_rejection: false, non_finite: None }
+        Self { step, growth: MAX_CHANGE, exponent, after_rejection: false, non_finite: None }
     }
 
     /// Lets steps grow by no more than `growth` (1).
@@ -115,7 +116,7 @@ impl StepControl {
         // The step that is taken is the difference of the rounded times.
         let length = next - start;
         // The last step of an interval may be arbitrarily short.
-        if length > 0.0 && (cut_short || length > SHORTEST * f64::EPSILON * end.abs()) {
+        if length > 0.0 && (cut_short || length > MIN_STEP_ROUNDINGS * f64::EPSILON * end.abs()) {
             return Ok(Trial { length, next, cut_short });
         }
         Err(match self.non_finite {
@@ -136,9 +137,9 @@ impl StepControl {
     ) -> bool {
         self.non_finite = (!error.is_finite()).then(non_finite);
         let change = if error.is_finite() {
-            (SAFETY * error.powf(self.exponent)).clamp(SMALLEST_CHANGE, self.growth)
+            (SAFETY_FACTOR * error.powf(self.exponent)).clamp(MIN_CHANGE, self.growth)
         } else {
-            SMALLEST_CHANGE
+            MIN_CHANGE
         };
         let accepted = error <= 1.0;
         let wanted = if accepted && self.after_rejection { change.min(1.0) } else { change };

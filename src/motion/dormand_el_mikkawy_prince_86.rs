@@ -2,8 +2,8 @@
 //!
 //! Stages are at `x + c h v + h^2 sum a f`; the step ends at `x + h v + h^2 sum b f`,
 //! `v + h sum b' f`. The error estimate is the difference from the embedded solution, in position
-//! and in velocity. The last stage is at the new position and opens the next step, so a step costs 8
-//! evaluations. Forces must not depend on velocity. `tests/it/order.rs` measures the order; a
+//! and in velocity. The last stage is at the new position and opens the next step, so a step costs
+//! 8 evaluations. Forces must not depend on velocity. `tests/it/order.rs` measures the order; a
 //! mistyped digit would break it.
 
 #![allow(clippy::unreadable_literal, reason = "digits as published, divided out")]

@@ -99,12 +99,12 @@ impl ForceSegment {
 
     /// Its rate of change at the fraction `theta` of the step (N/s).
     pub fn rate(&self, theta: f64) -> f64 {
-        self.look(theta)[1]
+        self.force_and_rate(theta)[1]
     }
 
     /// Both. What closing speeds gain follows from the forces, for an interpolant's second
     /// derivative is nothing but rounding on the shortest steps (N, N/s).
-    pub fn look(&self, theta: f64) -> [f64; 2] {
+    pub fn force_and_rate(&self, theta: f64) -> [f64; 2] {
         let [changes, closing] = self.motion.at(theta);
         let Around { contacts, weights, is_lossy, inertia, .. } = &*self.around;
         let felt =

@@ -95,7 +95,7 @@ pub trait Integrator {
     /// [`Integrator::prepare_interpolation`].
     fn interpolant(&self, body: usize) -> Interpolant;
 
-    /// Position (m) and velocity (m/s) of `body` at the end of the last step.
+    /// Position (m) and velocity of `body` at the end of the last step (m/s).
     fn body(&self, body: usize) -> [f64; 2];
 
     /// Start and length of the last step (s).

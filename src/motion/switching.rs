@@ -1,11 +1,16 @@
 //! Systems whose law changes by switches: contacts whose forces jump where they open or close, or
 //! have a kink where they would pull.
 //!
-//! Within a step all switches stand still, so the method sees a smooth law and keeps its order;
-//! where one should have changed within the step, the step is cut at the root of its margin on the
-//! step's own interpolant, and the method starts anew there. A step over a jump would be of order
-//! 1, one over a kink of order 2. Changes that are lost in the tolerance change at the end of a
-//! step without a search, or a rattling chain would stop at tens of thousands of them. Source: E.
+//! ```text
+//! method's step   |----------------------------------|  smooth law: all switches keep their state
+//! a margin        + + + + + + + + + + 0 - - - - - - -   has a root: the switch should have changed
+//! accepted step   |-------------------|                 cut at the root
+//! next step                           |-----------      the switch flipped, the method restarted
+//! ```
+//!
+//! Within a step the method sees a smooth law and keeps its order. A step over a jump would be of
+//! order 1, one over a kink of order 2. Changes that are lost in the tolerance change at the end of
+//! a step without a search, or a rattling chain would stop at tens of thousands of them. Source: E.
 //! Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I (1993), II.6, "Event
 //! location".
 
@@ -14,40 +19,40 @@ use super::integrator::{IntegrateError, Integrator, Restart, Work};
 use super::system::{Motion, Sides};
 use crate::chain::State;
 
-/// Parts of a step at whose ends margins are looked at.
-const LOOKS: u8 = 2;
+/// Samples of a margin within a step.
+const SAMPLES: u8 = 2;
 /// Halvings of the part in which a margin has its root: to the last bit.
 const HALVINGS: usize = 60;
 /// A step is not cut to less than this share (1).
-const SHORTEST: f64 = 1e-9;
-/// A margin that is further from zero than this share of how far it goes within a step, by the
-/// step's cubic, is not looked at more closely (1).
-const CLEAR: f64 = 0.5;
+const MIN_CUT_SHARE: f64 = 1e-9;
+/// A margin further from zero than this share of its travel within the step, by the step's cubic,
+/// has no root there (1).
+const CLEAR_SHARE: f64 = 0.5;
 /// Jumps below this share of what the error control tolerates are not searched for (1).
-const NEGLIGIBLE: f64 = 0.1;
+const NEGLIGIBLE_SHARE: f64 = 0.1;
 
 /// A method at work on a system with switches.
 pub struct Switched<I> {
     inner: I,
     state: State,
     sides: Vec<Sides>,
-    /// How those of each stand and move at both ends of the step.
+    /// Distance and speed of the two bodies of each switch at both ends of the step.
     ends: Vec<[Motion; 2]>,
     /// Switches that may have to change within the step.
     unclear: Vec<usize>,
-    /// The switch at each place, if there is one.
+    /// Number of the switch at each place, if there is one.
     at: Vec<Option<usize>>,
     /// Whether each switch was on over the last step.
     on: Vec<bool>,
-    /// Whether each is on now.
+    /// Whether each switch is on now.
     now: Vec<bool>,
     start: f64,
-    /// Whether a switch has changed just before the last step.
-    anew: bool,
-    /// Whether one has changed at the end of the last step.
-    flipped: bool,
-    /// Share of the method's last step that counts.
-    share: f64,
+    /// Whether a switch changed just before the last step, so that the method started again.
+    restarts: bool,
+    /// Whether one changed at the end of the last step.
+    flips_at_end: bool,
+    /// Share of the method's last step up to the cut; 1 without one (1).
+    cut: f64,
     prepared: bool,
 }
 
@@ -74,15 +79,15 @@ impl<I: Restart> Switched<I> {
             at,
             now: on.clone(),
             on,
-            anew: true,
-            flipped: false,
-            share: 1.0,
+            restarts: true,
+            flips_at_end: false,
+            cut: 1.0,
             prepared: false,
         }
     }
 
-    /// Sets the switches right that stand wrong and move further from where they would stand right.
-    fn settle(&mut self) -> bool {
+    /// Flips the switches whose margin has the wrong sign and moves further away from zero.
+    fn flip_wrong_switches(&mut self) -> bool {
         let state = &mut self.state;
         let mut any = false;
         let Some(system) = self.inner.system().switching() else { return false };
@@ -101,7 +106,7 @@ impl<I: Restart> Switched<I> {
     }
 
     /// Finds the switches that may have to change within the method's last step.
-    fn look(&mut self) {
+    fn find_unclear(&mut self) {
         let (_, length) = self.inner.last_step();
         let after = self.inner.reached();
         self.ends.clear();
@@ -118,9 +123,9 @@ impl<I: Restart> Switched<I> {
     /// The first place in the method's last step where a switch should have changed: share of the
     /// step, and the switch.
     fn event(&mut self) -> Option<(f64, usize)> {
-        self.look();
+        self.find_unclear();
         let (_, length) = self.inner.last_step();
-        let tolerated = NEGLIGIBLE * self.inner.tolerated();
+        let tolerated = NEGLIGIBLE_SHARE * self.inner.tolerated();
         let mut first: Option<(f64, usize)> = None;
         for &switch in &self.unclear {
             let (sides, on) = (self.sides[switch], self.on[switch]);
@@ -136,8 +141,8 @@ impl<I: Restart> Switched<I> {
             let wrong = |theta: f64| (system.margin(switch, motion(theta)) >= 0.0) != on;
             let (mut before, mut at) = (0.0, None);
             // What is negligible when it is seen first need not be so by the end of the step.
-            for look in 1..=LOOKS {
-                let theta = f64::from(look) / f64::from(LOOKS);
+            for sample in 1..=SAMPLES {
+                let theta = f64::from(sample) / f64::from(SAMPLES);
                 if !wrong(theta) {
                     before = theta;
                     continue;
@@ -159,9 +164,9 @@ impl<I: Restart> Switched<I> {
     }
 }
 
-/// Whether a switch that is `on` or not stays so over a step of `length` (s) between two `ends`,
-/// with so much to spare that its interpolants, which cost more than all else, need not be asked:
-/// most contacts of a long chain are far from opening, or from closing.
+/// Whether a switch surely keeps its state `on` over a step of `length` (s) between two `ends`, by
+/// the cubic through them, so that its costly interpolants are not needed: most contacts of a long
+/// chain are far from opening, or from closing.
 fn stays_clear(ends: [Motion; 2], length: f64, margin: impl Fn(Motion) -> f64, on: bool) -> bool {
     let [from, to] = ends;
     let rise = to.difference - from.difference;
@@ -172,7 +177,7 @@ fn stays_clear(ends: [Motion; 2], length: f64, margin: impl Fn(Motion) -> f64, o
     let margins = [from, middle, to].map(margin);
     let [least, most] = [f64::min, f64::max].map(|pick| margins.into_iter().fold(margins[0], pick));
     let nearest = if on { least } else { -most };
-    nearest >= 0.0 && nearest >= CLEAR * (most - least) && (on || nearest > 0.0)
+    nearest >= 0.0 && nearest >= CLEAR_SHARE * (most - least) && (on || nearest > 0.0)
 }
 
 /// Where `wrong` begins between `low` and `high`.
@@ -198,15 +203,15 @@ impl<I: Restart> Integrator for Switched<I> {
     }
 
     fn step(&mut self, end: f64) -> Result<(), IntegrateError> {
-        self.anew = self.settle() || self.flipped;
-        self.flipped = false;
-        if self.anew {
+        self.restarts = self.flip_wrong_switches() || self.flips_at_end;
+        self.flips_at_end = false;
+        if self.restarts {
             self.inner.restart(&self.state);
         }
         // Each switch may change once without time passing; more would be no motion.
         for _ in 0..=self.sides.len() {
             self.start = self.state.time;
-            self.share = 1.0;
+            self.cut = 1.0;
             self.prepared = true;
             self.inner.step(end)?;
             self.inner.prepare_interpolation();
@@ -215,8 +220,8 @@ impl<I: Restart> Integrator for Switched<I> {
                 return Ok(());
             };
             let (start, length) = self.inner.last_step();
-            if theta >= SHORTEST {
-                self.share = theta;
+            if theta >= MIN_CUT_SHARE {
+                self.cut = theta;
                 for body in 0..self.state.position.len() {
                     let motion = self.inner.interpolant(body);
                     self.state.position[body] = motion.position(theta);
@@ -229,12 +234,12 @@ impl<I: Restart> Integrator for Switched<I> {
             for (switch, now) in self.now.iter_mut().enumerate() {
                 *now = system.is_on(switch);
             }
-            if theta >= SHORTEST {
-                self.flipped = true;
+            if theta >= MIN_CUT_SHARE {
+                self.flips_at_end = true;
                 return Ok(());
             }
             self.on.clone_from(&self.now);
-            self.anew = true;
+            self.restarts = true;
             self.inner.restart(&self.state);
         }
         Ok(())
@@ -249,12 +254,12 @@ impl<I: Restart> Integrator for Switched<I> {
 
     fn interpolant(&self, body: usize) -> Interpolant {
         let mut motion = self.inner.interpolant(body);
-        if self.share < 1.0 {
+        if self.cut < 1.0 {
             for coefficients in [&mut motion.position, &mut motion.velocity] {
                 let mut power = 1.0;
                 for coefficient in coefficients {
                     *coefficient *= power;
-                    power *= self.share;
+                    power *= self.cut;
                 }
             }
         }
@@ -274,7 +279,7 @@ impl<I: Restart> Integrator for Switched<I> {
     }
 
     fn starts_anew(&self) -> bool {
-        self.anew
+        self.restarts
     }
 
     fn was_on(&self, place: usize) -> bool {

@@ -17,18 +17,18 @@ pub const NAME: &str = "two-step-force-gradient";
 /// Tolerances beyond it make the same steps (1).
 pub const LOOSEST_TOLERANCE: f64 = 1e-3;
 /// `L`: a long step in terms of the highest frequency (rad).
-pub const LONG: f64 = 2.7;
+pub const LONG_PHASE: f64 = 2.7;
 /// `S` (rad).
-const SHORT: f64 = 1.2;
+const SHORT_PHASE: f64 = 1.2;
 /// The least step where the stiff contact closes or opens, as a share of those while it is closed
 /// (1).
-const LEAST: f64 = 0.6;
+const MIN_STEP_SHARE: f64 = 0.6;
 /// The first step as a share of a long one: other contacts may begin at zero overlap, too (1).
-const FIRST: f64 = 0.3;
+const FIRST_STEP_SHARE: f64 = 0.3;
 /// A step to where the stiff contact closes is taken in two where it is longer than this share of a
 /// long one: until then its bodies are pushed as nobody foresees, and one that ends beyond that
 /// place is off by far more (1).
-const SURE: f64 = 0.8;
+const WHOLE_STEP_SHARE: f64 = 0.8;
 
 /// What of a system decides on the length of steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,10 +89,10 @@ impl TwoStep {
     /// contact, or [`NO_CONTACT`].
     pub fn new(pacing: &Pacing, tolerance: f64, motion: ContactMotion) -> Self {
         let share = (tolerance / LOOSEST_TOLERANCE).sqrt().sqrt().min(1.0);
-        let long = share * LONG / pacing.frequency;
-        let short = pacing.stiff.map_or(long, |stiff| share * SHORT / stiff.frequency);
+        let long = share * LONG_PHASE / pacing.frequency;
+        let short = pacing.stiff.map_or(long, |stiff| share * SHORT_PHASE / stiff.frequency);
         let mut steps = Self { long, short, length: 0.0 };
-        steps.length = steps.after(motion).min(FIRST * long);
+        steps.length = steps.after(motion).min(FIRST_STEP_SHARE * long);
         steps
     }
 
@@ -117,7 +117,7 @@ impl TwoStep {
         if overlap > 0.0 {
             let speed = closing.abs();
             let is_near = overlap < self.short * speed;
-            if is_near { (overlap / speed).max(LEAST * self.short) } else { self.short }
+            if is_near { (overlap / speed).max(MIN_STEP_SHARE * self.short) } else { self.short }
         } else {
             self.towards(motion)
         }
@@ -136,8 +136,8 @@ impl TwoStep {
         let sum = closing + square.sqrt();
         let closes = 2.0 * gap / sum;
         if sum > 0.0 && closes < long {
-            let length = if closes > SURE * long { 0.5 * closes } else { closes };
-            length.max(LEAST * self.short)
+            let length = if closes > WHOLE_STEP_SHARE * long { 0.5 * closes } else { closes };
+            length.max(MIN_STEP_SHARE * self.short)
         } else {
             long
         }
@@ -202,7 +202,7 @@ mod tests {
         Pacing { frequency: 1.0, stiff: Some(stiff) }
     }
 
-    const LENGTHS: [f64; 2] = [LONG, SHORT / 24.0];
+    const LENGTHS: [f64; 2] = [LONG_PHASE, SHORT_PHASE / 24.0];
 
     /// A body under gravity, thrown into a contact without a force: where steps end.
     #[test]
@@ -222,13 +222,13 @@ mod tests {
             taken.push((time, h));
             time = next;
         }
-        assert!((taken[0].1 - FIRST * long).abs() < 1e-12);
+        assert!((taken[0].1 - FIRST_STEP_SHARE * long).abs() < 1e-12);
         assert!((taken[1].1 - long).abs() < 1e-12);
         let closes = taken.iter().position(|(time, _)| motion(*time).overlap.abs() < 1e-9);
         let closes = closes.expect("a step that ends where the contact closes");
-        assert!((taken[closes].1 - LEAST * short).abs() < 1e-12);
+        assert!((taken[closes].1 - MIN_STEP_SHARE * short).abs() < 1e-12);
         // As long each as all since then, until they are as long as may be.
-        assert!((taken[closes + 1].1 - LEAST * short).abs() < 1e-3 * short);
+        assert!((taken[closes + 1].1 - MIN_STEP_SHARE * short).abs() < 1e-3 * short);
         assert!((taken[closes + 2].1 - short).abs() < 1e-12);
         assert!(taken[closes + 2..taken.len() - 1].iter().all(|s| (s.1 - short).abs() < 1e-12));
         assert_eq!(time.to_bits(), 10.0_f64.to_bits());
@@ -246,7 +246,7 @@ mod tests {
         for (overlap, closing, bend, length) in [
             (1.0, -3.0, 0.0, short),
             (0.8 * short, -1.0, 0.0, 0.8 * short),
-            (0.1 * short, -1.0, 0.0, LEAST * short),
+            (0.1 * short, -1.0, 0.0, MIN_STEP_SHARE * short),
             (0.0, -1.0, 0.0, long),
             (-1e-3, -1.0, 0.1, long),
             (-1.0, 1.0, -0.6, long),
@@ -261,8 +261,8 @@ mod tests {
         let none = Pacing { stiff: None, ..bounce() };
         // A hundredth of the tolerance, a good third of the step.
         let mut steps = TwoStep::new(&none, 0.01 * LOOSEST_TOLERANCE, NO_CONTACT);
-        assert!((steps.length - FIRST * LONG / 10f64.sqrt()).abs() < 1e-12);
+        assert!((steps.length - FIRST_STEP_SHARE * LONG_PHASE / 10f64.sqrt()).abs() < 1e-12);
         steps.advance(NO_CONTACT);
-        assert!((steps.length - LONG / 10f64.sqrt()).abs() < 1e-12);
+        assert!((steps.length - LONG_PHASE / 10f64.sqrt()).abs() < 1e-12);
     }
 }

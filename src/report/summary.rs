@@ -1,7 +1,7 @@
 //! The summary of a run as a page of text.
 
 use super::table;
-use crate::experiment::estimate::ErrorEstimate;
+use crate::experiment::outcome::ErrorEstimate;
 use crate::experiment::outcome::{EnergyLedger, TOLERABLE};
 use crate::experiment::outcome::{Reading, Speed, Summary};
 use crate::quantity::engineering;

@@ -55,7 +55,6 @@ mod tui;
 mod tunability;
 mod vector_path;
 mod vxi11;
-mod work_counts;
 
 /// So many cases of random input, the same ones each time.
 fn seeded(cases: u32) -> proptest::test_runner::Config {

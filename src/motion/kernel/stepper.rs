@@ -15,7 +15,7 @@ use crate::motion::{IntegrateError, Integrator, Interpolant, LosslessScheme, Sca
 
 /// Rows at rest that are kept in the sweep behind the last one that moves: within a step motion
 /// spreads by a contact a stage, of which there are fewer than in these.
-const MARGIN: usize = 2;
+const MARGIN_ROWS: usize = 2;
 /// Speed from which a row counts as moving, as a share of the largest at the start: forces without
 /// cancellation send something ahead however far, far below 1e-13 of the impact, under which
 /// nothing is a pulse (1).
@@ -101,7 +101,7 @@ impl VectorStepper {
         let max_phase = match scheme {
             LosslessScheme::Nystrom(_) => CONTROLLED_PHASE,
             LosslessScheme::Splitting(_, step) => step * fastest,
-            LosslessScheme::TwoStep(..) => two_step::LONG,
+            LosslessScheme::TwoStep(..) => two_step::LONG_PHASE,
         };
         let (drive, method) = match scheme {
             LosslessScheme::Nystrom(tolerance) => {
@@ -132,7 +132,7 @@ impl VectorStepper {
             previous: now.clone(),
             now,
             gradient: vec![Row::default(); live],
-            live: (last + 1 + MARGIN).min(live),
+            live: (last + 1 + MARGIN_ROWS).min(live),
             chain: rows,
             quiet: MOVING_SHARE * speed,
             time: state.time,
@@ -231,10 +231,10 @@ impl VectorStepper {
         self.work.steps += 1;
         let rows = self.chain.len();
         if self.live < rows {
-            let front = self.live.saturating_sub(MARGIN)..self.live;
+            let front = self.live.saturating_sub(MARGIN_ROWS)..self.live;
             let is_moving = |row: &Row| row.0.iter().any(|v| v.abs() > self.quiet);
             if self.now.velocity[front].iter().any(is_moving) {
-                self.live = (self.live + MARGIN).min(rows);
+                self.live = (self.live + MARGIN_ROWS).min(rows);
             }
         }
     }

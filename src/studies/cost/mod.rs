@@ -23,7 +23,7 @@ use points::{ChoiceTimes, WallTimes, choice, point, reference, settings};
 /// Default number of timed runs of each point.
 pub const TIMED_RUNS: u16 = 10;
 /// Orders are fitted where the most work is at least so many times the least (1).
-const APART: f64 = 2.0;
+const MIN_WORK_RATIO: f64 = 2.0;
 /// Orders are fitted where errors lie above this multiple of the reference's own error (1).
 const ABOVE_REFERENCE: f64 = 100.0;
 
@@ -164,7 +164,7 @@ fn orders(points: &[Point], reference: f64) -> Vec<Order> {
 fn slope(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let range = |(low, high): (f64, f64), p: &(f64, f64)| (low.min(p.0), high.max(p.0));
     let (least, most) = points.iter().fold((f64::MAX, f64::MIN), range);
-    if points.len() < 3 || most - least < APART.ln() {
+    if points.len() < 3 || most - least < MIN_WORK_RATIO.ln() {
         return None;
     }
     let weighted: Vec<(f64, f64, f64)> = points.iter().map(|(x, y)| (*x, *y, 1.0)).collect();

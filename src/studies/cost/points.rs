@@ -15,18 +15,18 @@ use crate::scene::Scene;
 const TIMING_BUDGET: Duration = Duration::from_millis(300);
 /// Points that would take more force evaluations than this are left out: the study is for a coffee
 /// break, not for lunch.
-const MOST_EVALUATIONS: f64 = 60_000.0;
+const MAX_FIXED_EVALUATIONS: f64 = 60_000.0;
 /// A point under error control that takes more is given up; the lossless methods take shorter.
-const MOST_CONTROLLED: u64 = 120_000;
-const MOST_OWN: u64 = 1_000_000;
+const MAX_LOSSY_EVALUATIONS: u64 = 120_000;
+const MAX_LOSSLESS_EVALUATIONS: u64 = 1_000_000;
 /// Most evaluations of a reference run.
-const MOST_REFERENCE: u64 = 2_000_000;
+const MAX_REFERENCE_EVALUATIONS: u64 = 2_000_000;
 /// Tolerance of the reference's steps (1).
 const REFERENCE_TOLERANCE: f64 = 1e-15;
 /// The same where losses are so stiff that only the implicit method comes to an end (1).
 const STIFF_TOLERANCE: f64 = 1e-12;
 /// An error above this is no result (1).
-const FAILED: f64 = 1.0;
+const FAILED_ERROR: f64 = 1.0;
 
 type Make = fn(f64) -> Method;
 
@@ -58,7 +58,7 @@ pub fn settings(scene: &Scene) -> Vec<Method> {
         // From twice the limit, so that the edge is seen, in factors of two.
         let mut step = limit.map_or(1e-6, |limit| 2.0 * limit);
         let stages = f64::from(make(step).stages());
-        while scene.duration / step * stages <= MOST_EVALUATIONS {
+        while scene.duration / step * stages <= MAX_FIXED_EVALUATIONS {
             settings.push(make(step));
             step *= 0.5;
         }
@@ -148,7 +148,7 @@ pub fn point(scene: &Scene, by: Method, exact: &Run<'_>) -> (Point, WallTimes) {
     point.error_energy = Some(found.energy().drift.abs());
     let worst = [point.error_peak, point.error_arrival];
     let refused = method(scene, Integration::Method(by)).is_err();
-    point.failed = refused || !worst.iter().all(|error| error.is_some_and(|e| e < FAILED));
+    point.failed = refused || !worst.iter().all(|error| error.is_some_and(|e| e < FAILED_ERROR));
     walls.add(found.wall_s());
     point.set_times(&walls);
     (point, walls)
@@ -156,7 +156,7 @@ pub fn point(scene: &Scene, by: Method, exact: &Run<'_>) -> (Point, WallTimes) {
 
 /// Most evaluations of all forces of a point.
 fn most_evaluations(by: Method) -> u64 {
-    if by.allows_losses() { MOST_CONTROLLED } else { MOST_OWN }
+    if by.allows_losses() { MAX_LOSSY_EVALUATIONS } else { MAX_LOSSLESS_EVALUATIONS }
 }
 
 impl Point {
@@ -253,14 +253,15 @@ pub fn reference(scene: &Scene) -> Result<(Run<'_>, Reference), String> {
         vec![Method::DormandPrince853 { tolerance }, Method::DormandElMikkawyPrince86 { tolerance }]
     };
     let mut last = None;
-    let mut found =
-        methods.into_iter().filter_map(|method| match bare(scene, method, MOST_REFERENCE) {
+    let mut found = methods.into_iter().filter_map(|method| {
+        match bare(scene, method, MAX_REFERENCE_EVALUATIONS) {
             Ok(run) => Some((run, method.to_string())),
             Err(error) => {
                 last = Some(error);
                 None
             }
-        });
+        }
+    });
     if let (Some((exact, method)), Some((other, second))) = (found.next(), found.next()) {
         let (readings, exact_readings) = (other.readings(), exact.readings());
         let largest = |error| largest_error(&readings, &exact_readings, error);

@@ -179,14 +179,14 @@ fn a_tolerance_of_ones_own() {
     }
     let loose = ["run", "--method", "dormand-prince-54", "--tolerance", "5e-2"];
     let text = printed(folder.path(), &loose);
-    says(&text, &["step tolerance 5e-2 by hand", "the tolerance is too loose", "a tolerance of"]);
+    says(&text, &["step tolerance 5e-2 by hand", "the tolerance is too large", "--accuracy"]);
     let stiff = ["run", "--method", "rodas", "--tolerance", "1e-6"];
     says(&refused(folder.path(), &stiff), &["rodas", "without losses", "expected"]);
 }
 
-/// `auto` is what the scope calls for, whatever the scene says.
+/// The option counts, whatever the scene says.
 #[test]
-fn an_accuracy_by_the_scope() {
+fn an_accuracy_of_ones_own() {
     let folder = temporary();
     std::fs::write(
         folder.path().join("own.toml"),
@@ -277,7 +277,6 @@ fn an_unstable_step_is_refused_with_its_contact_and_limit() {
         &error,
         &["1.000000 ms", "expected at most", "the contact between striker and", "unstable"],
     );
-    says(&error, &["a step of", "reads first peaks and arrivals within"]);
     assert_eq!(files(folder.path()), [""; 0]);
     // An output that is there stays as it was.
     std::fs::write(folder.path().join("old.mcap"), "precious").expect("a file");
@@ -335,15 +334,13 @@ fn a_run_that_fails_leaves_nothing_and_takes_nothing() {
     assert_eq!(std::fs::read(folder.path().join("old.mcap")).expect("the file"), b"precious");
 }
 
-/// The limit is that of an accurate impact: at first steps of this length the striker goes further
-/// than any contact is ever pressed.
+/// At first steps of this length the striker goes further than any contact is ever pressed.
 #[test]
-fn steps_that_blow_up_are_refused_with_the_contact_its_limit_and_a_step_that_would_do() {
+fn steps_that_blow_up_are_refused_with_time_and_reason() {
     let folder = temporary();
     let run = ["run", "monatomic-vacuum", "--method", "velocity-verlet", "--step", "30us"];
     let error = refused(folder.path(), &run);
-    says(&error, &["stopped being a number", "contact between", "limits steps to 34.5"]);
-    says(&error, &["; a step of", "reads first peaks"]);
+    says(&error, &["stopped being a number", "at t = ", "the step is too long"]);
     assert_eq!(files(folder.path()), [""; 0]);
 }
 
@@ -392,8 +389,7 @@ fn a_reader_that_goes_away_is_no_error() {
     assert_eq!(String::from_utf8_lossy(&output.stderr), "");
 }
 
-/// Steps that are stable and too long all the same: what came of them is told, with a step that
-/// would do, and that one does.
+/// Steps that are stable and too long all the same: a note says so, and not of a tenth of them.
 #[test]
 fn a_step_that_reads_wrong_is_told() {
     let folder = temporary();
@@ -410,12 +406,11 @@ fn a_step_that_reads_wrong_is_told() {
     };
     let wrong = run("7.13us");
     let told = notes(&wrong);
-    says(&told, &["the step is too long: readings may be off by", "has made energy"]);
+    says(&told, &["the step is too large: readings may be off by", "has made energy"]);
     assert!(wrong["error_estimate"]["peak"].as_f64().expect("a number") > 0.5, "{wrong}");
     assert!(wrong["energy"]["drift"].as_f64().expect("a number") > 0.5, "{wrong}");
-    let advised = told.split("a step of ").nth(1).and_then(|rest| rest.split(" reads").next());
-    let right = run(&advised.expect("a step").replace(' ', "").replace('µ', "u"));
-    assert!(!notes(&right).contains("too long"), "{}", notes(&right));
+    let right = run("0.713us");
+    assert!(!notes(&right).contains("too large"), "{}", notes(&right));
     // Held against a run by another family of methods.
     let exact = printed(folder.path(), &["run", "--accuracy", "1e-9", "--json"]);
     let exact: Value = serde_json::from_str(&exact).expect("a summary");
@@ -430,7 +425,7 @@ fn a_step_that_reads_wrong_is_told() {
     }
 }
 
-/// What nothing amplifies is known to its end; a striker's own speed is no error of the method.
+/// A striker's own speed is no error of the method.
 #[test]
 fn by_hand_no_error_is_told_that_is_none() {
     let folder = temporary();
@@ -445,9 +440,12 @@ fn by_hand_no_error_is_told_that_is_none() {
         // Verlet's own error; the speed that is drawn may be 5 % off.
         assert!(worst.iter().all(|worst| *worst < 3e-3), "{scene}: {worst:?}");
         let notes = summary["notes"].to_string();
-        assert!(!notes.contains("too long"), "{scene}: {notes}");
+        assert!(!notes.contains("too large"), "{scene}: {notes}");
         if scene == "linear-300-cells" {
-            assert!(summary["horizon_s"].is_null() && !notes.contains("statistics"), "{notes}");
+            // Verlet's phase errors add up in late traces, which the horizon states.
+            let trace = summary["error_estimate"]["trace"].as_f64().expect("a number");
+            let limit = worst[0].max(worst[1]).sqrt();
+            assert_eq!(summary["horizon_s"].is_null(), trace <= limit, "{trace:e}, {limit:e}");
         }
     }
     // To an accuracy it holds for the shot's own speed as well.

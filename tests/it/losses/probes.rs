@@ -59,7 +59,7 @@ fn check(name: &str, scene: &Scene) {
         for (particle, probe) in &probes {
             let segment = over_step(probe, &*integrator, bodies);
             for theta in [0.3, 0.8] {
-                let [force, rate] = segment.look(theta);
+                let [force, rate] = segment.force_and_rate(theta);
                 assert_eq!(force.to_bits(), segment.force(theta).to_bits(), "{name}");
                 let [before, after] = [theta - APART, theta + APART].map(|t| segment.force(t));
                 let slope = (after - before) / (2.0 * APART);
