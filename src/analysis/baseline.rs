@@ -71,22 +71,22 @@ impl Baseline {
     /// The baseline of `trace`.
     pub(super) fn of(trace: &Trace, conditions: &Conditions) -> Result<Self, PulseError> {
         let scatter = || scatter(trace, conditions.level);
-        Self::with_rest(trace, conditions, &scatter).map(|(baseline, _)| baseline)
+        Self::with_rest(trace, (conditions, true), &scatter).map(|(baseline, _)| baseline)
     }
 
     /// The same with what the codes of a quiet scope show, whose samples elsewhere have this
-    /// `scatter`.
+    /// `scatter`. Without `has_foot` the pulse is a single contact, which begins at once.
     ///
     /// # Errors
     /// [`PulseError`] if the record is too short before the pulse, or not at rest.
     pub fn with_rest(
         trace: &Trace,
-        conditions: &Conditions,
+        (conditions, has_foot): (&Conditions, bool),
         scatter: &dyn Fn() -> MovingScatter,
     ) -> Result<(Self, Option<AtRest>), PulseError> {
         let (range, foot) = match conditions.baseline {
             Some(gate) => (gate.range(trace), 0.0),
-            None => Before::of(trace, conditions.level).baseline(trace)?,
+            None => Before::of(trace, conditions.level).baseline(trace, has_foot)?,
         };
         let values = trace.values.get(range.clone()).unwrap_or_default();
         if values.len() < MIN_BASELINE_SAMPLES {
@@ -231,7 +231,7 @@ impl Before {
 
     /// Where the baseline lies, and the mean of the foot in it, if it counts (unit): the longest
     /// part at rest, or a shorter one with less of the foot.
-    fn baseline(&self, trace: &Trace) -> Result<(Range<usize>, f64), PulseError> {
+    fn baseline(&self, trace: &Trace, has_foot: bool) -> Result<(Range<usize>, f64), PulseError> {
         let end = |share: f64| (share * self.samples as f64) as usize;
         let noise = |count: usize| self.noise / (count.max(1) as f64).sqrt();
         let error = |count: usize| noise(count).hypot(self.foot(count));
@@ -245,7 +245,7 @@ impl Before {
             let (trace, noise) = (trace.name.clone(), self.noise);
             return Err(PulseError::NotAtRest { trace, rms: rms(usual), noise });
         };
-        if self.foot(longest) < MIN_FOOT_SHARE * noise(longest) {
+        if !has_foot || self.foot(longest) < MIN_FOOT_SHARE * noise(longest) {
             return Ok((0..longest, 0.0));
         }
         let best = resting.into_iter().min_by(|a, b| error(*a).total_cmp(&error(*b)));

@@ -118,7 +118,7 @@ impl PreparedRecord {
             return Err(Exclusion::NotFinite);
         }
         let conditions = Conditions { level: record.level, ..Conditions::default() };
-        let found = Baseline::with_rest(trace, &conditions, &|| scatter);
+        let found = Baseline::with_rest(trace, (&conditions, false), &|| scatter);
         let (baseline, rest) = match found {
             Ok((baseline, rest)) if baseline.samples >= MIN_BASELINE_SAMPLES => (baseline, rest),
             Ok(_) | Err(PulseError::NoBaseline { .. })
@@ -132,7 +132,6 @@ impl PreparedRecord {
             Err(PulseError::NotAtRest { rms, noise, .. }) => {
                 return Err(Exclusion::NotAtRest { times: rms / noise });
             }
-            Err(PulseError::NoZero { .. }) => return Err(Exclusion::NoPreTrigger { samples: 0 }),
             Err(_) => return Err(Exclusion::NoPulse),
         };
         let noise = baseline.rounding.sample();
