@@ -10,7 +10,7 @@ use tokio::time::Instant;
 use super::ServeError;
 use super::bench_thread::GroundTruth;
 use super::writer::{BackgroundWriter, Sink};
-use crate::experiment::facts::{scene_attachment, shot_facts};
+use crate::experiment::facts::{scene_attachments, shot_facts};
 use crate::instrument::{Finished, Instrument};
 use crate::recording::mcap::{RecordingWriter, ShotNotes, WriteError};
 use crate::recording::{self, Capture, Direction, Origin, ScpiLine, Shot};
@@ -179,7 +179,9 @@ impl RecordingSink {
     fn attach(&mut self, scene: &Scene, shot: u32, impact: u32) -> Result<(), WriteError> {
         if !self.attached.contains(&scene.name) {
             self.attached.push(scene.name.clone());
-            self.writer.attach(&scene_attachment(scene))?;
+            for attachment in scene_attachments(scene) {
+                self.writer.attach(&attachment)?;
+            }
         }
         self.writer.add_facts(&shot_facts(scene, shot, impact))
     }
