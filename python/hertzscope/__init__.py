@@ -4,6 +4,7 @@
 """
 
 import array
+import contextlib
 import json
 import os
 import shutil
@@ -11,11 +12,15 @@ import socket
 import struct
 import subprocess
 import sysconfig
+import threading
+import time
 
 __all__ = ["Bench", "program"]
 
-#: What a bench is waited for at most (s).
+#: Longest wait for a bench: its start, a reply, an impact, its end (s).
 TIMEOUT = 60.0
+#: First and longest time between two queries for an impact (s).
+POLL_INTERVALS = (0.0005, 0.02)
 #: Channels of the scope.
 CHANNELS = (1, 2, 3, 4)
 
@@ -30,28 +35,56 @@ def program():
     return found
 
 
+class _Connection:
+    """A connection to the scope: commands and replies are lines."""
+
+    def __init__(self, address):
+        self._socket = socket.create_connection(address, TIMEOUT)
+        self.replies = self._socket.makefile("rb")
+
+    def write(self, command):
+        self._socket.sendall(command.encode() + b"\n")
+
+    def query(self, command):
+        self.write(command)
+        return self.line().decode().rstrip("\n")
+
+    def line(self):
+        line = self.replies.readline()
+        if not line:
+            raise ConnectionError("the bench has closed its connection")
+        return line
+
+    def close(self):
+        self.replies.close()
+        self._socket.close()
+
+
 class Bench:
     """A served bench: `scene` as for `hertzscope serve`, `faults` from the start, `seed` of everything random.
 
     `resources` has its VISA resource strings by protocol ("socket", "hislip", "vxi11"), `address` the host and port of the raw socket.
+    The server ends with this object's `stop`, and also if this process ends in any other way: it reads a pipe of this process.
     """
 
     def __init__(self, scene="magnet-0.61g", faults=(), seed=None):
-        command = [program(), "serve", str(scene), "--json", "--listen", "127.0.0.1:0", "--hislip", "0", "--vxi11", "0"]
+        command = [program(), "serve", str(scene), "--json", "--listen", "127.0.0.1:0", "--hislip", "0", "--vxi11", "0", "--until-eof"]
         for fault in faults:
             command += ["--fault", fault]
         if seed is not None:
             command += ["--seed", str(seed)]
-        self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True)
-        line = self._process.stdout.readline()
-        if not line:
-            raise RuntimeError(f"hertzscope serve {scene} ended with exit code {self._process.wait()}; its reason is on standard error")
-        told = json.loads(line)
-        self.resources = told["resources"]
-        host, port = told["listening"].rsplit(":", 1)
-        self.address = (host, int(port))
-        self._control = socket.create_connection(self.address, TIMEOUT)
-        self._replies = self._control.makefile("rb")
+        self._is_stopped = False
+        with contextlib.ExitStack() as started:
+            self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+            started.callback(self._end)
+            announced = json.loads(self._announcement(scene))
+            self.resources = announced["resources"]
+            host, port = announced["listening"].rsplit(":", 1)
+            self.address = (host, int(port))
+            # Tests write on one connection; what they set there (HEADer, faults) does not reach the other.
+            self._control = started.enter_context(contextlib.closing(_Connection(self.address)))
+            self._for_tests = started.enter_context(contextlib.closing(_Connection(self.address)))
+            self._resources_to_free = started.pop_all()
 
     def __enter__(self):
         return self
@@ -59,31 +92,51 @@ class Bench:
     def __exit__(self, *_):
         self.stop()
 
+    def _announcement(self, scene):
+        """The line that the server prints when it listens."""
+        limit = threading.Timer(TIMEOUT, self._process.kill)
+        limit.start()
+        try:
+            line = self._process.stdout.readline()
+        finally:
+            limit.cancel()
+        if not line:
+            raise RuntimeError(f"hertzscope serve {scene} ended with exit code {self._process.wait()}; its reason is on standard error")
+        return line
+
     def write(self, command):
-        """Sends a command on a connection of the bench's own."""
-        self._control.sendall(command.encode() + b"\n")
+        """Sends a command, on a connection for tests alone."""
+        self._for_tests.write(command)
 
     def query(self, command):
         """The reply to a query on that connection, without its line end."""
-        self.write(command)
-        return self._line().decode().rstrip("\n")
+        return self._for_tests.query(command)
 
-    def _line(self):
-        line = self._replies.readline()
-        if not line:
-            raise ConnectionError("the bench has closed its connection")
-        return line
-
-    def strike(self):
+    def strike(self, timeout=TIMEOUT):
         """Strikes the chain and waits until its signals are at the scope; returns the number of the impact.
 
-        A scope that is to see it must have been told so before: ask it something after `ACQuire:STATE ON`.
+        A scope that is to see it must have been told so before: ask it something after `ACQuire:STATE ON`. Raises `TimeoutError` with the
+        scope's events if the signals are not there after `timeout` (s).
         """
-        before = int(self.query("BENCh:IMPact?"))
-        self.write("BENCh:IMPact")
-        while (impact := int(self.query("BENCh:IMPact?"))) == before:
-            pass
+        before = int(self._control.query("BENCh:IMPact?"))
+        self._control.write("BENCh:IMPact")
+        end = time.monotonic() + timeout
+        interval, longest = POLL_INTERVALS
+        while (impact := int(self._control.query("BENCh:IMPact?"))) == before:
+            if time.monotonic() > end:
+                raise TimeoutError(f"no signals of impact {before + 1} after {timeout:g} s; events of the scope: {self._events()}")
+            time.sleep(interval)
+            interval = min(2 * interval, longest)
         return impact
+
+    def _events(self):
+        """The scope's events, from a connection of their own: its replies may be disturbed by faults."""
+        try:
+            with contextlib.closing(_Connection(self.address)) as connection:
+                connection._socket.settimeout(1)
+                return f"*ESR? {connection.query('*ESR?')}, ALLEv? {connection.query('ALLEv?')}"
+        except OSError as error:
+            return f"unknown ({error})"
 
     def forces(self):
         """The true forces at the sensors in the last impact: by channel, times in s after the trigger (or, where the scope has not
@@ -91,43 +144,49 @@ class Bench:
         """
         found = {}
         for channel in CHANNELS:
-            start, interval = map(float, self.query(f"BENCh:CH{channel}:FORCe:TIMe?").split(","))
-            self.write(f"BENCh:CH{channel}:FORCe?")
-            digits = int(self._replies.read(2)[1:])
-            data = self._replies.read(int(self._replies.read(digits)))
-            self._line()
+            start, interval = map(float, self._control.query(f"BENCh:CH{channel}:FORCe:TIMe?").split(","))
+            self._control.write(f"BENCh:CH{channel}:FORCe?")
+            replies = self._control.replies
+            digits = int(replies.read(2)[1:])
+            data = replies.read(int(replies.read(digits)))
+            self._control.line()
             if data:
                 times = [start + index * interval for index in range(len(data) // 8)]
                 found[channel] = (_array(times), _array(struct.unpack(f"<{len(data) // 8}d", data)))
         return found
 
     def fault(self, text):
-        """Has something go wrong from now on, e.g. "late=500ms" or "noisy@CH2=50mV*1"; `hertzscope serve --help` lists all."""
+        """Switches a fault on, e.g. "late=500ms" or "noisy@CH2=50mV*1"; `hertzscope serve --help` lists all."""
         quoted = text.replace('"', '""')
-        if f"{quoted}" not in self.query(f'BENCh:FAUlt "{quoted}";FAUlt?'):
+        if f"{quoted}" not in self._control.query(f'BENCh:FAUlt "{quoted}";FAUlt?'):
             raise ValueError(f"no such fault: {text} (hertzscope serve --help lists them)")
 
     def clear_faults(self):
         """Ends all faults."""
-        self.write('BENCh:FAUlt "none"')
-        self.query("BENCh:FAUlt?")
+        self._control.write('BENCh:FAUlt "none"')
+        self._control.query("BENCh:FAUlt?")
 
     def stop(self):
         """Stops the bench.
 
-        Raises `RuntimeError` if it had stopped by itself.
+        Raises `RuntimeError` if it had stopped by itself. A second call does nothing.
         """
-        self._replies.close()
-        self._control.close()
-        ended = self._process.poll()
+        ended = None if self._is_stopped else self._process.poll()
+        self._is_stopped = True
+        self._resources_to_free.close()
+        if ended is not None:
+            raise RuntimeError(f"hertzscope serve had ended by itself, with exit code {ended}")
+
+    def _end(self):
+        """Ends the server, whatever state it is in."""
         self._process.terminate()
         try:
             self._process.wait(TIMEOUT)
         finally:
             self._process.kill()
+            self._process.wait()
+            self._process.stdin.close()
             self._process.stdout.close()
-        if ended is not None:
-            raise RuntimeError(f"hertzscope serve had ended by itself, with exit code {ended}")
 
 
 def _array(values):

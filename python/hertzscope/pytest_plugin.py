@@ -1,5 +1,7 @@
 """Fixtures for pytest, which finds them by itself once the package is installed."""
 
+import contextlib
+
 import pytest
 
 from . import Bench
@@ -14,15 +16,9 @@ def pytest_configure(config):
 @pytest.fixture
 def start_bench():
     """A function that starts benches, with the arguments of `hertzscope.Bench`; all are stopped after the test."""
-    benches = []
-
-    def start(*arguments, **keywords):
-        benches.append(Bench(*arguments, **keywords))
-        return benches[-1]
-
-    yield start
-    for bench in benches:
-        bench.stop()
+    with contextlib.ExitStack() as benches:
+        # All are stopped, also if one of them fails to.
+        yield lambda *arguments, **keywords: benches.enter_context(Bench(*arguments, **keywords))
 
 
 @pytest.fixture

@@ -12,7 +12,8 @@ use signal_hook::consts::TERM_SIGNALS;
 
 use super::overwrite::ending;
 use crate::client::{
-    AcquisitionEvent, Address, ClientError, ClientTiming, ShotAcquisition, ShotRecorder,
+    AcquisitionEvent, Address, ClientError, ClientTiming, LineEvent, ShotAcquisition,
+    create_recording,
 };
 use crate::recording::TraceSet;
 
@@ -40,10 +41,11 @@ pub struct Arguments {
 }
 
 /// Set by the first signal that ends programs; the second ends this one.
-struct StopSignal(Arc<AtomicBool>);
+pub struct StopSignal(pub Arc<AtomicBool>);
 
 impl StopSignal {
-    fn new() -> anyhow::Result<Self> {
+    /// Catches these signals from now on.
+    pub fn new() -> anyhow::Result<Self> {
         let stop = Arc::new(AtomicBool::new(false));
         #[cfg(unix)]
         let hang_up = Some(signal_hook::consts::SIGHUP);
@@ -64,11 +66,12 @@ impl Drop for StopSignal {
     }
 }
 
-/// How often something went wrong on the way.
+/// Counts of problems during an acquisition.
 #[derive(Debug, Default)]
 struct Troubles {
     line_failures: u32,
     dropped: u32,
+    contradictions: u32,
 }
 
 impl Troubles {
@@ -79,15 +82,22 @@ impl Troubles {
                 (false, format!("waiting for a trigger, {trigger} (Ctrl-C ends)"))
             }
             AcquisitionEvent::Triggered => (false, "triggered, reading".to_owned()),
-            AcquisitionEvent::LineFailed(why) => {
+            AcquisitionEvent::Line(LineEvent::Failed(why)) => {
                 self.line_failures += 1;
                 (true, format!("the line failed ({why}): trying again"))
             }
-            AcquisitionEvent::LineBack => (true, "the line works again".to_owned()),
+            AcquisitionEvent::Line(LineEvent::Back) => (true, "the line works again".to_owned()),
             AcquisitionEvent::ArmedAgain(why) => (true, format!("{why}: armed again")),
             AcquisitionEvent::Dropped(why) => {
                 self.dropped += 1;
                 (true, format!("not recorded: {why}"))
+            }
+            AcquisitionEvent::ReadAgain(why) => {
+                (true, format!("{why}: read again, and consistent now"))
+            }
+            AcquisitionEvent::Contradiction(why) => {
+                self.contradictions += 1;
+                (true, format!("{why}: read twice, recorded with this note"))
             }
         };
         if !quiet {
@@ -100,9 +110,9 @@ impl Troubles {
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     ending(&arguments.output, &["mcap"])?;
     let stop = StopSignal::new()?;
-    let mut scope = begin(&arguments.address, arguments.quiet)?;
+    let mut scope = begin(&arguments.address, &stop, arguments.quiet)?;
     let mut troubles = Troubles::default();
-    let recorded = record(arguments, &mut scope, &stop, &mut troubles);
+    let recorded = record(arguments, &mut scope, &mut troubles);
     let instrument = scope.instrument().clone();
     // The scope is put back whatever became of the recording; what failed first is told.
     let restored = scope.end();
@@ -113,6 +123,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             "file": file, "shots": shots, "address": arguments.address.to_string(), "model": instrument.model,
             "serial": instrument.serial, "firmware": instrument.firmware,
             "line_failures": troubles.line_failures, "dropped": troubles.dropped,
+            "contradictions": troubles.contradictions,
         });
         super::print(&serde_json::to_string_pretty(&found)?)?;
     } else {
@@ -125,9 +136,13 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Connects, and says what is there.
-fn begin(address: &Address, quiet: bool) -> Result<ShotAcquisition, ClientError> {
-    let scope = ShotAcquisition::begin(address, ClientTiming::default())?;
+/// Connects, and prints what is there.
+fn begin(
+    address: &Address,
+    stop: &StopSignal,
+    quiet: bool,
+) -> Result<ShotAcquisition, ClientError> {
+    let scope = ShotAcquisition::begin(address, ClientTiming::default(), &stop.0)?;
     if !quiet {
         let model = &scope.instrument().model;
         let traces: Vec<String> = scope.displayed().iter().map(ToString::to_string).collect();
@@ -143,12 +158,11 @@ fn begin(address: &Address, quiet: bool) -> Result<ShotAcquisition, ClientError>
 fn record(
     arguments: &Arguments,
     scope: &mut ShotAcquisition,
-    stop: &StopSignal,
     troubles: &mut Troubles,
 ) -> anyhow::Result<(PathBuf, u32)> {
     let quiet = arguments.quiet;
     let address = &arguments.address;
-    let mut recorder = ShotRecorder::create(&arguments.output, address, scope.instrument())?;
+    let mut recorder = create_recording(&arguments.output, address, scope.instrument())?;
     if !quiet {
         super::say(&format!("recording   {}", recorder.file().display()));
     }
@@ -159,8 +173,7 @@ fn record(
         let of = arguments.shots.map_or_else(String::new, |wanted| format!(" of {wanted}"));
         let name = format!("shot {number}{of}");
         let mut tell = |event: AcquisitionEvent| troubles.note(&event, (&name, &trigger), quiet);
-        let found = scope.shot(&stop.0, &mut tell);
-        let taken = match found {
+        let taken = match scope.shot(&mut tell) {
             Ok(Some(taken)) => taken,
             Ok(None) => break,
             Err(error) => {
@@ -187,11 +200,11 @@ pub fn one_shot(path: &Path) -> anyhow::Result<Option<TraceSet>> {
         return Ok(None);
     };
     let stop = StopSignal::new()?;
-    let mut scope = begin(&address, false)?;
+    let mut scope = begin(&address, &stop, false)?;
     let mut troubles = Troubles::default();
     let trigger = scope.trigger().to_owned();
     let mut tell = |event| troubles.note(&event, ("one shot", &trigger), false);
-    let taken = scope.shot(&stop.0, &mut tell);
+    let taken = scope.shot(&mut tell);
     let instrument = scope.instrument().clone();
     let restored = scope.end();
     let taken = taken?;

@@ -12,7 +12,7 @@ use std::time::Duration;
 use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
 use serde_json::json;
-use tokio::sync::mpsc;
+use tokio::sync::{mpsc, oneshot};
 
 use crate::experiment::{Integration, facts};
 use crate::instrument::{BenchAccess, Fault, fault};
@@ -47,6 +47,10 @@ pub struct Arguments {
     /// Strike the chain at each line on standard input: press Enter in this terminal
     #[arg(long)]
     impact_on_enter: bool,
+    /// End when standard input ends: a program that starts the server and holds a pipe to it leaves
+    /// none behind, however it ends
+    #[arg(long, conflicts_with = "impact_on_enter")]
+    until_eof: bool,
     /// Write every command, reply and triggered waveform to this recording (.mcap); if it exists, a
     /// number is appended
     #[arg(long, value_name = "FILE")]
@@ -170,7 +174,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         // the recording must be complete.
         announced = super::print(&told);
         if announced.is_ok() {
-            stopped.await;
+            tokio::select! {
+                () = stopped => {}
+                () = end_of_input(arguments.until_eof) => {}
+            }
         }
     };
     server::serve(sockets, &scene, options, recording, shutdown)?;
@@ -284,6 +291,20 @@ fn lines() -> mpsc::Receiver<()> {
         }
     });
     receiver
+}
+
+/// Waits until standard input ends if `is_awaited`, else for ever.
+async fn end_of_input(is_awaited: bool) {
+    if !is_awaited {
+        pending().await
+    }
+    let (sender, ended) = oneshot::channel();
+    thread::spawn(move || {
+        // Any failure is an end, too.
+        let _ = std::io::copy(&mut std::io::stdin(), &mut std::io::sink());
+        let _ = sender.send(());
+    });
+    let _ = ended.await;
 }
 
 /// What waits for Ctrl-C, for what ends a service, or for a terminal that is closed; all are

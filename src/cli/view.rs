@@ -2,31 +2,23 @@
 
 use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::bail;
 use clap::Args;
 
+use super::acquire::StopSignal;
 use super::input::{ReadingArguments, note_option};
 use super::overwrite::ending;
-use crate::client::Address;
+use crate::client::{Address, ClientTiming};
 use crate::recording::TraceSet;
 use crate::recording::format::Format;
 use crate::recording::mcap::indexed_recording::IndexedRecording;
-use crate::report;
 use crate::scene::Scene;
-use crate::tui::model::PrintedTables;
 use crate::tui::work::served::ServedConnection;
-use crate::tui::{self, CommandLine, ViewSource};
+use crate::tui::{self, ViewSource};
 
-/// What the screen has done here.
-const COMMAND_LINE: CommandLine = CommandLine {
-    note_option,
-    tables: PrintedTables {
-        effects: |ledger| report::effects(ledger, false),
-        hard_cases: |cases| report::hard_cases(cases, false),
-    },
-};
 /// Time from one look for a recording to the next, until it is begun.
 const FILE_POLL_INTERVAL: Duration = Duration::from_millis(100);
 /// Bytes at the beginning of every recording.
@@ -102,7 +94,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     };
     let (title, behind) = behind(arguments, name)?;
     terminal()?;
-    tui::run(subject, title, behind, arguments.against.clone(), COMMAND_LINE)?;
+    tui::run(subject, title, behind, arguments.against.clone(), note_option)?;
     Ok(())
 }
 
@@ -160,11 +152,13 @@ fn watch(arguments: &Arguments, address: &Address) -> anyhow::Result<()> {
         ending(file, &["mcap"])?;
     }
     terminal()?;
-    let mut scope = ServedConnection::connect(address).map_err(anyhow::Error::msg)?;
+    let stop = StopSignal::new()?;
+    let mut scope =
+        ServedConnection::connect(address, ClientTiming::default(), Arc::clone(&stop.0))?;
     let file = arguments.record.as_deref().map(|file| scope.record(file)).transpose()?;
     let subject = ViewSource::Served(Box::new(scope));
     let (title, behind) = behind(arguments, address.to_string())?;
-    tui::run(subject, title, behind, arguments.against.clone(), COMMAND_LINE)?;
+    tui::run(subject, title, behind, arguments.against.clone(), note_option)?;
     if let Some(file) = file {
         super::print(&format!("recorded    {}", file.display()))?;
     }

@@ -1,165 +1,123 @@
-//! Takes one shot after the other from a scope.
+//! Takes one shot after the other from a scope, and makes recordings of them.
 //!
-//! For each shot the scope is armed for a single sequence, so that it holds the record of one
+//! For each shot the scope is armed for a single sequence, so that it keeps the record of one
 //! trigger until all channels are read. It is asked for its state until it has stopped; no query
-//! blocks. A line that fails is opened again for as long as it takes: the scope holds its record
-//! meanwhile, and the read-out begins anew. A shot counts if the scope was not started during the
-//! read-out and all that was read twice was the same; otherwise it is dropped, and said. In the
-//! trigger mode `AUTO` a scope also takes records without a trigger: it is `NORMAL` meanwhile.
+//! blocks. A line that fails is opened again for as long as it takes: the scope keeps its record
+//! meanwhile, and the read-out begins again. A shot counts if the scope was not started during the
+//! read-out and all that was read twice was the same; otherwise it is dropped, and reported. A
+//! record that contradicts the front panel is read a second time; what it says then is recorded,
+//! with a note if it is a contradiction still. In the trigger mode `AUTO` a scope also takes
+//! records without a trigger: it is `NORMAL` meanwhile.
 
+use std::collections::BTreeMap;
 use std::io;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant, SystemTime};
 
 use super::address::Address;
-use super::connection::Client;
-use super::error::ClientError;
-use super::identity::identity;
-use super::line::invalid_reply;
-use super::transfer::{PLAIN_REPLIES, ReplyForm, capture, displayed, records};
+use super::connection::invalid_reply;
+use super::record::displayed;
+use super::scope::{ClientError, ClientTiming, LineEvent, Scope, ScopeState, words};
 use crate::quantity::engineering;
+use crate::recording::mcap::{RecordingWriter, ShotNotes, WriteError};
 use crate::recording::set_file::SetFile;
-use crate::recording::{Capture, InstrumentIdentity};
+use crate::recording::{Capture, InstrumentIdentity, Origin, Shot, TraceSet};
 use crate::scope::Source;
 
-/// Query for the state of the acquisition.
-const STATE_QUERY: &str = ":ACQ:STATE?;STOPA?;NUMAC?;:TRIG:STATE?";
-/// Arms the scope for one trigger. The reply says that it was done: otherwise the record of before
-/// would be taken for a new one.
+/// Arms the scope for one trigger. The reply confirms it: otherwise the record of before would be
+/// taken for a new one.
 const ARM: &str = ":ACQ:STOPA SEQ;STATE RUN;STATE?";
-/// A query that fails so often over a line that works has no answer: this is another kind of
-/// instrument.
-const MAX_FAILURES: u32 = 20;
-/// How often it is looked whether to stop while a line is down.
-const STOP_POLL_INTERVAL: Duration = Duration::from_millis(50);
+/// Facts by group.
+type Facts = BTreeMap<String, BTreeMap<String, String>>;
 
-/// How long things may take, and how often they are tried.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ClientTiming {
-    /// Longest wait for the next byte of a reply.
-    pub reply_timeout: Duration,
-    /// Time from one query for the state to the next.
-    pub poll_interval: Duration,
-    /// Time from one attempt to open a line to the next.
-    pub retry_interval: Duration,
-}
-
-impl Default for ClientTiming {
-    fn default() -> Self {
-        Self {
-            reply_timeout: Duration::from_secs(5),
-            poll_interval: Duration::from_millis(100),
-            retry_interval: Duration::from_secs(2),
-        }
-    }
-}
-
-/// Something that happened while a shot was awaited.
+/// Progress of an acquisition.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum AcquisitionEvent {
     /// The scope is armed.
     Armed,
     /// The scope has triggered, and its records are read.
     Triggered,
-    /// The line failed, and why; it is opened again.
-    LineFailed(String),
-    /// The line works again.
-    LineBack,
+    /// The line failed or works again.
+    Line(LineEvent),
     /// The scope was started or stopped by another client or at its panel: it is armed again.
     ArmedAgain(&'static str),
     /// A record was dropped, and why.
     Dropped(&'static str),
+    /// A record contradicted the front panel, and did so no longer when it was read again.
+    ReadAgain(String),
+    /// A record contradicts the front panel: it is recorded with this note.
+    Contradiction(String),
 }
 
-/// What one trigger left.
+/// One acquired shot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AcquiredShot {
-    /// When the scope said that it had stopped, nanoseconds since 1970.
+    /// Time at which the scope reported that it had stopped, nanoseconds since 1970.
     pub timestamp_ns: u64,
-    /// How much earlier the trigger may have been: since the scope last said that it was waiting.
+    /// How much earlier the trigger may have been: since the scope last reported that it was
+    /// waiting.
     pub late: Duration,
-    /// The front panel, as `SET?` tells it.
+    /// The front panel, as the reply to `SET?`.
     pub set_up: String,
     /// The displayed traces.
     pub captures: Vec<Capture>,
 }
 
-/// State of the scope's acquisition.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct ScopeState {
-    is_running: bool,
-    is_single: bool,
-    /// Acquisitions since it was started.
-    count: u32,
-}
-
-impl ScopeState {
-    fn read(reply: &str) -> io::Result<Self> {
-        let fields: Vec<&str> = reply.split(';').collect();
-        let &[running, stop_after, count, _] = fields.as_slice() else {
-            return Err(invalid_reply("an invalid reply to the query for the state"));
-        };
-        let count = count.parse();
-        match (running, stop_after, count) {
-            ("0" | "1", "SEQUENCE" | "RUNSTOP", Ok(count)) => {
-                Ok(Self { is_running: running == "1", is_single: stop_after == "SEQUENCE", count })
-            }
-            _ => Err(invalid_reply("an invalid reply to the query for the state")),
-        }
-    }
-}
-
 /// A scope from which shots are taken.
 #[derive(Debug)]
 pub struct ShotAcquisition {
-    client: Client,
-    timing: ClientTiming,
-    instrument: InstrumentIdentity,
+    scope: Scope,
     displayed: Vec<Source>,
-    /// What triggers it.
     trigger: String,
     /// Trigger mode that is replaced by `NORMAL`, if it was another.
     trigger_mode: Option<String>,
-    /// What puts the scope back as it was, up to the form of replies.
+    /// The commands that restore trigger mode and acquisition.
     restore: String,
-    form: ReplyForm,
+}
+
+/// Records of one trigger that are read while the line may fail.
+#[derive(Default)]
+struct ReadOut {
+    /// Captures that were read before the line failed.
+    seen: Vec<Capture>,
+    /// Contradictions that were gone when the record was read again.
+    read_again: Vec<String>,
 }
 
 impl ShotAcquisition {
-    /// Connects to the scope at `address`, and notes what is to be put back at the end.
+    /// Connects to the scope at `address`, and notes the settings that are restored at the end. All
+    /// that waits ends once `stop` is set.
     ///
     /// # Errors
     /// [`ClientError`]: no line, no scope of this family, or no trace on its screen.
-    pub fn begin(address: &Address, timing: ClientTiming) -> Result<Self, ClientError> {
-        let failed =
-            |doing| move |source| ClientError::Line { address: address.to_string(), doing, source };
-        let mut client =
-            Client::connect(address, timing.reply_timeout).map_err(failed("cannot be opened"))?;
-        let no_answer = "no oscilloscope answers to *IDN? (is it on, and the line set as it is?)";
-        let reply = client.ask("*IDN?").map_err(failed(no_answer))?;
-        let instrument = identity(&reply)
-            .map_err(|problem| ClientError::NoScope { address: address.to_string(), problem })?;
-        let asked = failed("the scope does not tell its settings");
-        let form = ReplyForm::replace(&mut client).map_err(&asked)?;
-        let read = settings(&mut client).inspect_err(|_| {
-            // The settings' failure is what is told.
-            let _ = client.send(&form.commands());
-        });
-        let (trigger_mode, restore, panel) = read.map_err(asked)?;
+    pub fn begin(
+        address: &Address,
+        timing: ClientTiming,
+        stop: &Arc<AtomicBool>,
+    ) -> Result<Self, ClientError> {
+        let mut scope = Scope::connect(address, timing, stop)?;
+        let (trigger_mode, restore, panel) = match settings(&mut scope) {
+            Ok(settings) => settings,
+            Err(source) => {
+                // The failure before is reported.
+                let _ = scope.end("");
+                let doing = "no valid reply to the query for its settings";
+                return Err(ClientError::Line { address: address.to_string(), doing, source });
+            }
+        };
         let (displayed, trigger) = (displayed(&panel), trigger(&panel));
-        let begun =
-            Self { client, timing, instrument, displayed, trigger, trigger_mode, restore, form };
-        if begun.displayed.is_empty() {
-            begun.end()?;
+        if displayed.is_empty() {
+            scope.end("")?;
             return Err(ClientError::NoTrace { address: address.to_string() });
         }
-        Ok(begun)
+        Ok(Self { scope, displayed, trigger, trigger_mode, restore })
     }
 
     /// The scope.
     pub fn instrument(&self) -> &InstrumentIdentity {
-        &self.instrument
+        self.scope.instrument()
     }
 
     /// The traces on its screen when this began.
@@ -167,7 +125,7 @@ impl ShotAcquisition {
         &self.displayed
     }
 
-    /// What triggered it when this began, e.g. `CH1 RISE at 500 mV`.
+    /// Its trigger when this began, e.g. `CH1 RISE at 500 mV`.
     pub fn trigger(&self) -> &str {
         &self.trigger
     }
@@ -177,123 +135,120 @@ impl ShotAcquisition {
         self.trigger_mode.as_deref()
     }
 
-    /// Arms the scope, waits for its trigger, and reads its records; none once `stop` is set.
+    /// Arms the scope, waits for its trigger, and reads its records; none once it is stopped.
     ///
     /// # Errors
-    /// [`ClientError::Line`] where a line that works brings no sense again and again.
+    /// [`ClientError::Line`] if replies over a working line are invalid again and again.
     pub fn shot(
         &mut self,
-        stop: &AtomicBool,
-        tell: &mut dyn FnMut(AcquisitionEvent),
+        report: &mut dyn FnMut(AcquisitionEvent),
     ) -> Result<Option<AcquiredShot>, ClientError> {
         loop {
-            let Some((state, timestamp_ns, late)) = self.wait_for_trigger(stop, tell)? else {
+            let Some((state, timestamp_ns, late)) = self.wait_for_trigger(report)? else {
                 return Ok(None);
             };
-            tell(AcquisitionEvent::Triggered);
-            let mut seen = Vec::new();
-            let read = self.persist(stop, tell, |scope| scope.read_out(state, &mut seen))?;
-            match read {
+            report(AcquisitionEvent::Triggered);
+            let mut read_out = ReadOut::default();
+            let found = self
+                .scope
+                .persist(&mut |event| report(AcquisitionEvent::Line(event)), |scope| {
+                    read_out.read(scope, &state)
+                })?;
+            for note in read_out.read_again {
+                report(AcquisitionEvent::ReadAgain(note));
+            }
+            match found {
                 None => return Ok(None),
                 Some(Ok((set_up, captures))) => {
+                    for capture in &captures {
+                        let source = capture.waveform.source;
+                        let notes = capture.notes.iter().map(|note| format!("{source}: {note}"));
+                        notes.for_each(|note| report(AcquisitionEvent::Contradiction(note)));
+                    }
                     return Ok(Some(AcquiredShot { timestamp_ns, late, set_up, captures }));
                 }
-                Some(Err(why)) => tell(AcquisitionEvent::Dropped(why)),
+                Some(Err(why)) => report(AcquisitionEvent::Dropped(why)),
             }
         }
     }
 
-    /// Puts the scope back as it was.
+    /// Restores the scope's settings.
     ///
     /// # Errors
-    /// [`ClientError::NotRestored`] with what to do.
-    pub fn end(mut self) -> Result<(), ClientError> {
-        let restored = self.restore().or_else(|_| {
-            self.reopen()?;
-            self.restore()
-        });
-        restored.map_err(|source| ClientError::NotRestored {
-            address: self.client.address().to_string(),
-            commands: format!("{};{}", self.restore, self.form.commands()),
-            source,
-        })
+    /// [`ClientError::NotRestored`] with the commands that do.
+    pub fn end(self) -> Result<(), ClientError> {
+        self.scope.end(&self.restore)
     }
 
-    fn restore(&mut self) -> io::Result<()> {
-        self.client.send(&self.restore)?;
-        // The reply says that the line carries what is sent.
-        self.client.ask("*IDN?")?;
-        self.client.send(&self.form.commands())
-    }
-
-    /// Arms the scope and waits until it has triggered: its state, when it told, and how long ago
-    /// it last told otherwise.
+    /// Arms the scope and waits until it has triggered: its state, the time, and the time since it
+    /// was last known to wait.
     fn wait_for_trigger(
         &mut self,
-        stop: &AtomicBool,
-        tell: &mut dyn FnMut(AcquisitionEvent),
+        report: &mut dyn FnMut(AcquisitionEvent),
     ) -> Result<Option<(ScopeState, u64, Duration)>, ClientError> {
-        let Some(mut asked) = self.persist(stop, tell, Self::arm)? else { return Ok(None) };
-        tell(AcquisitionEvent::Armed);
-        while !stop.load(Ordering::Relaxed) {
-            thread::sleep(self.timing.poll_interval);
-            let Some((now, state)) = self.persist(stop, tell, Self::state)? else { break };
+        let mode = if self.trigger_mode.is_some() { ":TRIG:MAI:MOD NORM;" } else { "" };
+        let arm = |scope: &mut Scope| -> io::Result<Instant> {
+            let now = Instant::now();
+            scope.ask(&format!("{mode}{ARM}"))?;
+            Ok(now)
+        };
+        let scope = &mut self.scope;
+        let mut line = |event| report(AcquisitionEvent::Line(event));
+        let Some(mut last_waiting) = scope.persist(&mut line, arm)? else { return Ok(None) };
+        report(AcquisitionEvent::Armed);
+        loop {
+            scope.pause(scope.timing().poll_interval);
+            let asked = |scope: &mut Scope| Ok((Instant::now(), scope.state()?));
+            let mut line = |event| report(AcquisitionEvent::Line(event));
+            let Some((now, state)) = scope.persist(&mut line, asked)? else { return Ok(None) };
             let why = match state {
                 ScopeState { is_single: false, .. } => "the scope was set to run on",
                 ScopeState { is_running: true, .. } => {
-                    asked = now;
+                    last_waiting = now;
                     continue;
                 }
                 ScopeState { count: 0, .. } => "the scope was stopped before it had triggered",
-                _ => return Ok(Some((state, wall_clock_time(), asked.elapsed()))),
+                _ => return Ok(Some((state, wall_clock_time(), last_waiting.elapsed()))),
             };
-            tell(AcquisitionEvent::ArmedAgain(why));
-            let Some(now) = self.persist(stop, tell, Self::arm)? else { break };
-            asked = now;
+            report(AcquisitionEvent::ArmedAgain(why));
+            let mut line = |event| report(AcquisitionEvent::Line(event));
+            let Some(now) = scope.persist(&mut line, arm)? else { return Ok(None) };
+            last_waiting = now;
         }
-        Ok(None)
     }
+}
 
-    /// Arms the scope; when that was.
-    fn arm(&mut self) -> io::Result<Instant> {
-        let now = Instant::now();
-        let mode = if self.trigger_mode.is_some() { ":TRIG:MAI:MOD NORM;" } else { "" };
-        self.client.ask(&format!("{mode}{ARM}"))?;
-        Ok(now)
-    }
-
-    /// The state, and when it was asked for.
-    fn state(&mut self) -> io::Result<(Instant, ScopeState)> {
-        let now = Instant::now();
-        Ok((now, ScopeState::read(&self.client.ask(STATE_QUERY)?)?))
-    }
-
-    /// Reads set-up and records of the scope, which has stopped in `held`; or why they are of no
-    /// use. What was read before a line failed stands in `seen`.
-    fn read_out(
+impl ReadOut {
+    /// Reads set-up and records of `scope`, which has stopped in the state `stopped`; or why they
+    /// cannot be used.
+    fn read(
         &mut self,
-        held: ScopeState,
-        seen: &mut Vec<Capture>,
+        scope: &mut Scope,
+        stopped: &ScopeState,
     ) -> io::Result<Result<(String, Vec<Capture>), &'static str>> {
         const RESTARTED: &str = "the scope was started or set while its record was read";
-        if self.state()?.1 != held {
+        let is_stopped = |scope: &mut Scope| -> io::Result<bool> {
+            let now = scope.state()?;
+            Ok(ScopeState { trigger: stopped.trigger.clone(), ..now } == *stopped)
+        };
+        if !is_stopped(scope)? {
             return Ok(Err(RESTARTED));
         }
-        let (set_up, panel) = front_panel(&mut self.client)?;
+        let (mut set_up, mut panel) = scope.front_panel()?;
         let mut captures = Vec::new();
         for source in displayed(&panel) {
-            let found = records(&mut self.client, &[source])?;
-            let [record] = found.as_slice() else {
-                return Err(invalid_reply("no record, or several, in reply to WAVFrm?"));
-            };
-            let capture = capture(record, &panel, &self.instrument)
-                .map_err(|problem| io::Error::new(io::ErrorKind::InvalidData, problem))?;
-            if capture.waveform.source != source {
-                return Err(invalid_reply("the record of another trace than was asked for"));
+            let mut capture = one_capture(scope, source, &panel)?;
+            if let Some(note) = capture.notes.first() {
+                let note = format!("{source}: {note}");
+                (set_up, panel) = scope.front_panel()?;
+                capture = one_capture(scope, source, &panel)?;
+                if capture.notes.is_empty() {
+                    self.read_again.push(note);
+                }
             }
-            let earlier = seen.iter().find(|capture| capture.waveform.source == source);
+            let earlier = self.seen.iter().find(|capture| capture.waveform.source == source);
             match earlier.map(|earlier| &earlier.waveform) {
-                None => seen.push(capture.clone()),
+                None => self.seen.push(capture.clone()),
                 Some(earlier)
                     if earlier.codes == capture.waveform.codes
                         && earlier.preamble == capture.waveform.preamble => {}
@@ -304,71 +259,17 @@ impl ShotAcquisition {
         if captures.is_empty() {
             return Ok(Err("no trace was displayed"));
         }
-        let is_held = self.state()?.1 == held;
-        Ok(if is_held { Ok((set_up, captures)) } else { Err(RESTARTED) })
-    }
-
-    /// Does `act`, again after each failure of the line; none once `stop` is set while the line is
-    /// down.
-    fn persist<T>(
-        &mut self,
-        stop: &AtomicBool,
-        tell: &mut dyn FnMut(AcquisitionEvent),
-        mut act: impl FnMut(&mut Self) -> io::Result<T>,
-    ) -> Result<Option<T>, ClientError> {
-        let mut failures = 0;
-        loop {
-            let source = match act(self) {
-                Ok(done) => return Ok(Some(done)),
-                Err(source) => source,
-            };
-            failures += 1;
-            if failures == MAX_FAILURES {
-                let address = self.client.address().to_string();
-                let doing = "the line works, but the scope's replies make no sense";
-                return Err(ClientError::Line { address, doing, source });
-            }
-            tell(AcquisitionEvent::LineFailed(source.to_string()));
-            let mut told = source.to_string();
-            while let Err(error) = self.reopen() {
-                if stop.load(Ordering::Relaxed) {
-                    return Ok(None);
-                }
-                let why = error.to_string();
-                if why != told {
-                    tell(AcquisitionEvent::LineFailed(why.clone()));
-                    told = why;
-                }
-                self.pause(stop);
-            }
-            tell(AcquisitionEvent::LineBack);
-        }
-    }
-
-    /// Waits until the line may be tried again, or `stop` is set.
-    fn pause(&self, stop: &AtomicBool) {
-        let started = Instant::now();
-        while started.elapsed() < self.timing.retry_interval && !stop.load(Ordering::Relaxed) {
-            thread::sleep(STOP_POLL_INTERVAL.min(self.timing.retry_interval));
-        }
-    }
-
-    /// Opens the line again, to the same scope.
-    fn reopen(&mut self) -> io::Result<()> {
-        self.client.reconnect()?;
-        let found = identity(&self.client.ask("*IDN?")?).map_err(io::Error::other)?;
-        if found != self.instrument {
-            let (found, expected) = (found.model, &self.instrument.model);
-            let words = format!(
-                "found a {found} of another serial number or firmware, expected the {expected} of before"
-            );
-            return Err(io::Error::other(words));
-        }
-        self.client.send(PLAIN_REPLIES)
+        Ok(if is_stopped(scope)? { Ok((set_up, captures)) } else { Err(RESTARTED) })
     }
 }
 
-/// What triggers a scope.
+fn one_capture(scope: &mut Scope, source: Source, panel: &SetFile) -> io::Result<Capture> {
+    let captures = scope.captures(&[source], panel)?.unwrap_or_default();
+    let invalid = || invalid_reply("no record, or several, in reply to WAVFrm?");
+    captures.into_iter().next().ok_or_else(invalid)
+}
+
+/// The trigger in words.
 fn trigger(panel: &SetFile) -> String {
     let value = |key: &str| panel.value(&format!("TRIGGER:MAIN:{key}")).unwrap_or("?");
     match value("TYPE") {
@@ -380,34 +281,81 @@ fn trigger(panel: &SetFile) -> String {
     }
 }
 
-/// The trigger mode unless it is `NORMAL`, the commands that put mode and acquisition back, and the
+/// The trigger mode unless it is `NORMAL`, the commands that restore mode and acquisition, and the
 /// front panel.
-fn settings(client: &mut Client) -> io::Result<(Option<String>, String, SetFile)> {
-    let told = client.ask(":ACQ:STOPA?;STATE?;:TRIG:MAI:MOD?")?;
-    let [stop_after, state, mode] = words(&told)?;
+fn settings(scope: &mut Scope) -> io::Result<(Option<String>, String, SetFile)> {
+    let reply = scope.ask(":ACQ:STOPA?;STATE?;:TRIG:MAI:MOD?")?;
+    let [stop_after, state, mode] = words(&reply)?;
     let other = (mode != "NORMAL").then_some(mode);
     let mode = other.as_ref().map(|mode| format!(":TRIG:MAI:MOD {mode};")).unwrap_or_default();
     let restore = format!("{mode}:ACQ:STOPA {stop_after};STATE {state}");
-    Ok((other, restore, front_panel(client)?.1))
+    Ok((other, restore, scope.front_panel()?.1))
 }
 
-/// The front panel, as the scope tells it and as settings.
-fn front_panel(client: &mut Client) -> io::Result<(String, SetFile)> {
-    let told = client.ask("SET?")?;
-    let panel = SetFile::read(told.as_bytes(), "reply to SET?")
-        .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error.to_string()))?;
-    Ok((told, panel))
+/// Begins the recording `file` of the scope at `address` or, if that exists, one with the next free
+/// number.
+///
+/// # Errors
+/// [`WriteError`] if the file cannot be written.
+pub fn create_recording(
+    file: &Path,
+    address: &Address,
+    instrument: &InstrumentIdentity,
+) -> Result<RecordingWriter, WriteError> {
+    RecordingWriter::create_live(file, &facts(address, instrument), &[])
 }
 
-/// So many words with semicolons between them.
-fn words<const COUNT: usize>(reply: &str) -> io::Result<[String; COUNT]> {
-    let words: Vec<String> = reply.split(';').map(str::to_owned).collect();
-    let is_word = |word: &String| !word.is_empty() && word.chars().all(char::is_alphanumeric);
-    let words: Result<[String; COUNT], _> = words.try_into();
-    words
-        .ok()
-        .filter(|words| words.iter().all(is_word))
-        .ok_or_else(|| invalid_reply("another number of words than was asked for"))
+/// What holds for all shots.
+fn facts(address: &Address, instrument: &InstrumentIdentity) -> Facts {
+    let group = |pairs: &[(&str, &str)]| {
+        pairs.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect()
+    };
+    let recording = [
+        ("version", env!("CARGO_PKG_VERSION")),
+        ("address", &address.to_string()),
+        ("time_base", "of shots: nanoseconds since 1970; of records: seconds after the trigger"),
+    ];
+    let scope = [
+        ("model", instrument.model.as_str()),
+        ("serial", &instrument.serial),
+        ("firmware", &instrument.firmware),
+    ];
+    Facts::from([
+        ("hertzscope:recording".to_owned(), group(&recording)),
+        ("hertzscope:scope".to_owned(), group(&scope)),
+    ])
+}
+
+impl AcquiredShot {
+    /// The shot with this number in a recording, and what is kept beside it.
+    pub fn numbered(self, number: u32, address: &Address) -> (Shot, ShotNotes) {
+        let late = self.late.as_secs_f64();
+        let line = format!(
+            "shot {number}: read from {address}; the trigger came up to {late:.2} s before the time of this shot"
+        );
+        let notes = ShotNotes { set_up: self.set_up, energy: None, log: vec![(false, line)] };
+        let shot = Shot {
+            number,
+            origin: Origin::Measured,
+            timestamp_ns: self.timestamp_ns,
+            captures: self.captures,
+            truth: Vec::new(),
+            trigger_time: None,
+        };
+        (shot, notes)
+    }
+
+    /// A recording in memory of this shot alone.
+    pub fn into_set(self, address: &Address, instrument: &InstrumentIdentity) -> TraceSet {
+        let (shot, notes) = self.numbered(1, address);
+        TraceSet {
+            log: notes.log.iter().map(|(_, line)| line.clone()).collect(),
+            notes: BTreeMap::from([(1, notes)]),
+            metadata: facts(address, instrument),
+            shots: vec![shot],
+            ..TraceSet::default()
+        }
+    }
 }
 
 /// Nanoseconds since 1970.

@@ -97,7 +97,7 @@ impl FromStr for Address {
 
 const NO_PORT: &str = "names no host with a port";
 const SOCKET_EXAMPLE: &str = "e.g. tcp://127.0.0.1:5025";
-const SERIAL_EXAMPLE: &str = "e.g. serial:/dev/ttyUSB0?baud=19200";
+const SERIAL_EXAMPLE: &str = "e.g. serial:/dev/ttyUSB0?baud=19200 (Windows: serial:COM3)";
 const PROLOGIX_EXAMPLE: &str = "e.g. prologix://192.168.1.20?gpib=1";
 
 /// `HOST:PORT`, with `usual` where there is no port; none where there is no host, or the port is no
@@ -155,7 +155,7 @@ fn visa(text: &str) -> Result<Address, (&'static str, &'static str)> {
             Some(device) if device.starts_with('/') => {
                 serial(device).map_err(|problem| (problem, SERIAL_EXAMPLE))
             }
-            _ => Err(("a number of a serial port says nothing here", SERIAL_EXAMPLE)),
+            _ => Err(("a serial port is named by its device, not by a number", SERIAL_EXAMPLE)),
         },
         _ if upper.starts_with("GPIB") => {
             Err(("a GPIB is reached through a Prologix adapter", PROLOGIX_EXAMPLE))
@@ -214,7 +214,7 @@ mod tests {
             ("prologix://adapter?gpib=31", "gpib=0 to gpib=30"),
             ("TCPIP::10.0.0.7::INSTR", "neither VXI-11 nor HiSLIP"),
             ("TCPIP::10.0.0.7::hislip0,4880::INSTR", "neither VXI-11 nor HiSLIP"),
-            ("ASRL3::INSTR", "a number of a serial port"),
+            ("ASRL3::INSTR", "named by its device"),
             ("GPIB0::1::INSTR", "through a Prologix adapter"),
         ] {
             let refused = Address::recognise(text).expect_err(text).to_string();

@@ -1,47 +1,72 @@
 //! Messages, replies and records over a line.
+//!
+//! A reply has two time limits: one for its next byte, and one for all of it, which grows with the
+//! bytes received at the pace of the slowest line. So a side that sends a byte now and then does
+//! not hold its client. While it waits, a client looks for a request to stop.
 
 use std::io::{self, ErrorKind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use super::address::Address;
-use super::line::{Line, invalid_reply};
-use super::prologix::PrologixLine;
-#[cfg(unix)]
-use super::serial::SerialLine;
-use super::socket::SocketLine;
+use super::transport::{LINE_TIMEOUT, Transport, connection_closed, open, stopped};
 
-/// Longest reply that an oscilloscope sends (bytes).
-const MAX_REPLY_LENGTH: usize = 1 << 20;
+/// Upper bound of a reply (bytes): nine records of 2500 points have 26,000.
+const MAX_REPLY_LENGTH: usize = 1 << 16;
 /// Most records of one reply: those of four channels, the math trace and four references.
 const MAX_RECORDS: usize = 9;
-/// What stands before the block in a record.
+/// Beginning of a record.
 const RECORD_PREFIX: &str = ":WFMP";
-/// A line is quiet after so long without a byte: at 300 baud a byte takes 33 ms.
+/// A line without a byte for so long is empty: at 300 baud a byte takes 33 ms.
 const QUIET_INTERVAL: Duration = Duration::from_millis(300);
-/// A line that is not quiet after so long is not a scope's: its longest reply takes 90 s at 300
-/// baud.
+/// Time limit for emptying a line: the longest reply of one scope takes 90 s at 300 baud.
 const DRAIN_TIMEOUT: Duration = Duration::from_secs(120);
+/// Speed of the slowest line of the family (baud).
+const LOWEST_BAUD_RATE: u32 = 300;
+/// Bits of one byte on RS-232: start, eight, stop.
+const BITS_PER_BYTE: u32 = 10;
+/// Time limit for restoring a scope after a request to stop, on a line that takes no time itself.
+const RESTORE_TIMEOUT: Duration = Duration::from_millis(200);
+/// Bytes that restoring a scope takes, with the reply to `*IDN?`.
+const RESTORE_BYTES: u32 = 160;
 
 /// A connection to a scope.
 #[derive(Debug)]
 pub struct Client {
     address: Address,
-    line: Box<dyn Line>,
-    /// How long the next byte of a reply may take.
+    transport: Box<dyn Transport>,
     reply_timeout: Duration,
+    stop: Arc<AtomicBool>,
     /// Bytes that were read, and how many of them were used.
     received: (Vec<u8>, usize),
+    /// When the present reply was asked for, and how many of its bytes were used.
+    reply: (Instant, u32),
+    /// Whether a reply was asked for and has not come.
+    is_reply_pending: bool,
 }
 
 impl Client {
-    /// Connects to `address`; the next byte of a reply may take `reply_timeout`.
+    /// Connects to `address`; the next byte of a reply may take `reply_timeout`. All that waits
+    /// ends with an error once `stop` is set.
     ///
     /// # Errors
     /// The system's error.
-    pub fn connect(address: &Address, reply_timeout: Duration) -> io::Result<Self> {
-        let line = open(address)?;
-        let mut client =
-            Self { address: address.clone(), line, reply_timeout, received: (Vec::new(), 0) };
+    pub fn connect(
+        address: &Address,
+        reply_timeout: Duration,
+        stop: &Arc<AtomicBool>,
+    ) -> io::Result<Self> {
+        let transport = open(address, LINE_TIMEOUT, &|| stop.load(Ordering::Relaxed))?;
+        let mut client = Self {
+            address: address.clone(),
+            transport,
+            reply_timeout,
+            stop: Arc::clone(stop),
+            received: (Vec::new(), 0),
+            reply: (Instant::now(), 0),
+            is_reply_pending: false,
+        };
         // A new socket is empty; what is behind other lines may still send what its last user asked
         // for.
         if !matches!(address, Address::Socket(_)) {
@@ -55,8 +80,16 @@ impl Client {
     /// # Errors
     /// The system's error.
     pub fn reconnect(&mut self) -> io::Result<()> {
-        self.line = open(&self.address)?;
+        self.reopen()?;
         self.clear()
+    }
+
+    fn reopen(&mut self) -> io::Result<()> {
+        let timeout = LINE_TIMEOUT.min(self.reply_timeout);
+        self.transport = open(&self.address, timeout, &|| self.stop.load(Ordering::Relaxed))?;
+        self.received = (Vec::new(), 0);
+        self.is_reply_pending = false;
+        Ok(())
     }
 
     /// The address.
@@ -64,20 +97,67 @@ impl Client {
         &self.address
     }
 
+    /// Whether all that waits is to end.
+    pub fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    /// Sends `commands`, and waits until `identity` comes as the reply to `*IDN?`: then the line
+    /// has carried them. After a request to stop, a pending reply is given up, and little time is
+    /// taken.
+    ///
+    /// # Errors
+    /// The system's error.
+    pub fn restore(&mut self, commands: &str, identity: &str) -> io::Result<()> {
+        if self.is_stopped() {
+            // What follows is what the request to stop has to wait for.
+            self.stop = Arc::default();
+            let byte_time = self.transport.baud().map_or(Duration::ZERO, byte_time);
+            self.reply_timeout =
+                self.reply_timeout.min(RESTORE_TIMEOUT + RESTORE_BYTES * byte_time);
+        }
+        let restored = self.send_and_confirm(commands, identity);
+        restored.or_else(|error| {
+            if error.kind() == ErrorKind::TimedOut {
+                return Err(error);
+            }
+            self.reopen()?;
+            self.send_and_confirm(commands, identity)
+        })
+    }
+
+    fn send_and_confirm(&mut self, commands: &str, identity: &str) -> io::Result<()> {
+        if self.is_reply_pending {
+            self.transport.clear()?;
+        }
+        self.send(commands)?;
+        self.request("*IDN?")?;
+        // The rest of a reply that was given up comes first.
+        let mut line = Vec::new();
+        while !line.ends_with(identity.as_bytes()) {
+            line.push(self.byte()?);
+            if line.len() > MAX_REPLY_LENGTH {
+                return Err(invalid_reply("a reply without end"));
+            }
+        }
+        self.is_reply_pending = false;
+        Ok(())
+    }
+
     /// Drops what the instrument still has to send.
     fn clear(&mut self) -> io::Result<()> {
-        self.line.clear()?;
+        self.transport.clear()?;
         let started = Instant::now();
-        let mut dropped = [0; 4096];
         loop {
-            match self.line.read(&mut dropped, QUIET_INTERVAL) {
+            match self.receive(QUIET_INTERVAL) {
                 Err(error) if error.kind() == ErrorKind::TimedOut => break,
-                Ok(_) if started.elapsed() < DRAIN_TIMEOUT => {}
-                Ok(_) => return Err(invalid_reply("a line that is never quiet")),
+                Ok(()) if started.elapsed() < DRAIN_TIMEOUT => {}
+                Ok(()) => return Err(invalid_reply("a line on which bytes never end")),
                 Err(error) => return Err(error),
             }
         }
         self.received = (Vec::new(), 0);
+        self.is_reply_pending = false;
         Ok(())
     }
 
@@ -86,15 +166,36 @@ impl Client {
     /// # Errors
     /// The system's error.
     pub fn send(&mut self, message: &str) -> io::Result<()> {
-        self.line.send(message)
+        let bytes = self.transport.message(message);
+        self.write(&bytes)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        let started = Instant::now();
+        let mut left = bytes;
+        while !left.is_empty() {
+            match self.transport.write(left) {
+                Ok(count) => left = left.get(count..).unwrap_or_default(),
+                Err(error) if error.kind() != ErrorKind::TimedOut => return Err(error),
+                Err(_) if self.is_stopped() => return Err(stopped()),
+                Err(_) if started.elapsed() < LINE_TIMEOUT.min(self.reply_timeout) => {}
+                Err(_) => {
+                    return Err(io::Error::new(ErrorKind::TimedOut, self.transport.hint()));
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Sends a message and asks for its reply.
     fn request(&mut self, message: &str) -> io::Result<()> {
         // The second byte of a line end may have come since.
         self.received = (Vec::new(), 0);
-        self.line.send(message)?;
-        self.line.request_reply()
+        self.send(message)?;
+        self.write(self.transport.reply_request())?;
+        self.reply = (Instant::now(), 0);
+        self.is_reply_pending = true;
+        Ok(())
     }
 
     /// Sends a message and waits for its reply, without the line's end.
@@ -113,6 +214,7 @@ impl Client {
                 return Err(invalid_reply("a reply without end"));
             }
         }
+        self.is_reply_pending = false;
         String::from_utf8(line).map_err(|_| invalid_reply("a reply that is no text"))
     }
 
@@ -120,16 +222,21 @@ impl Client {
     /// preamble and block.
     ///
     /// # Errors
-    /// The system's error; also for an invalid block.
+    /// The system's error; also for an invalid block, and for one that is longer than it says.
     pub fn ask_for_records(&mut self, message: &str) -> io::Result<(String, Vec<Vec<u8>>)> {
         self.request(message)?;
         let (mut head, mut records, mut part) = (None, Vec::new(), Vec::new());
+        let mut is_behind_block = false;
         let mut byte = self.first_byte()?;
         while !matches!(byte, b'\n' | b'\r') {
+            if is_behind_block && byte != b';' {
+                return Err(invalid_reply("a block that is longer than its header says"));
+            }
+            is_behind_block = byte == b'#';
+            part.push(byte);
             if part.len() > MAX_REPLY_LENGTH {
                 return Err(invalid_reply("a reply without end"));
             }
-            part.push(byte);
             // Between an answer and the next record stands a semicolon.
             if part.ends_with(RECORD_PREFIX.as_bytes()) {
                 let before = part.len() - RECORD_PREFIX.len();
@@ -137,7 +244,7 @@ impl Client {
                 head.get_or_insert(text.trim_end_matches(';').to_owned());
                 part.drain(..before);
             }
-            if byte == b'#' {
+            if is_behind_block {
                 self.block(&mut part)?;
                 if records.len() == MAX_RECORDS {
                     return Err(invalid_reply("more records than a scope has"));
@@ -146,6 +253,7 @@ impl Client {
             }
             byte = self.byte()?;
         }
+        self.is_reply_pending = false;
         let rest = || String::from_utf8_lossy(&part).trim_end().to_owned();
         Ok((head.unwrap_or_else(rest), records))
     }
@@ -162,18 +270,50 @@ impl Client {
         Err(invalid_reply("empty lines without end"))
     }
 
+    /// The next byte of the reply.
     fn byte(&mut self) -> io::Result<u8> {
-        let (bytes, used) = &mut self.received;
-        if *used == bytes.len() {
-            bytes.resize(4096, 0);
-            let read = self.line.read(bytes, self.reply_timeout);
-            bytes.truncate(*read.as_ref().unwrap_or(&0));
-            *used = 0;
-            read?;
+        if self.received.1 == self.received.0.len() {
+            let (asked, bytes) = self.reply;
+            let baud = self.transport.baud().unwrap_or(LOWEST_BAUD_RATE);
+            let whole = self.reply_timeout + bytes * byte_time(baud);
+            let left = whole.saturating_sub(asked.elapsed());
+            let is_slow = bytes > 0 && left < self.reply_timeout;
+            self.receive(left.min(self.reply_timeout)).map_err(|error| match error.kind() {
+                ErrorKind::TimedOut if is_slow => {
+                    invalid_reply(&format!("a reply of which {bytes} bytes came in {whole:.1?}"))
+                }
+                ErrorKind::TimedOut => {
+                    let waited = self.reply_timeout.as_secs_f64();
+                    io::Error::new(ErrorKind::TimedOut, format!("no reply within {waited} s"))
+                }
+                _ => error,
+            })?;
         }
-        let byte = bytes.get(*used).copied();
-        *used += 1;
-        byte.ok_or_else(super::line::connection_closed)
+        let byte = self.received.0.get(self.received.1).copied();
+        self.received.1 += 1;
+        self.reply.1 += 1;
+        byte.ok_or_else(connection_closed)
+    }
+
+    /// Waits `timeout` for further bytes, in place of those received before.
+    fn receive(&mut self, timeout: Duration) -> io::Result<()> {
+        let started = Instant::now();
+        let bytes = &mut self.received.0;
+        self.received.1 = 0;
+        loop {
+            bytes.resize(4096, 0);
+            let read = if self.stop.load(Ordering::Relaxed) {
+                Err(stopped())
+            } else {
+                self.transport.read(bytes)
+            };
+            bytes.truncate(*read.as_ref().unwrap_or(&0));
+            match read {
+                Err(error)
+                    if error.kind() == ErrorKind::TimedOut && started.elapsed() < timeout => {}
+                read => return read.map(drop),
+            }
+        }
     }
 
     /// `<n><length><bytes>` behind the `#`.
@@ -200,16 +340,12 @@ impl Client {
     }
 }
 
-fn open(address: &Address) -> io::Result<Box<dyn Line>> {
-    Ok(match address {
-        Address::Socket(pair) => Box::new(SocketLine::connect(pair)?),
-        #[cfg(unix)]
-        Address::Serial { device, baud } => Box::new(SerialLine::open(device, *baud)?),
-        #[cfg(not(unix))]
-        Address::Serial { .. } => {
-            let words = "serial lines are for Linux and macOS; a serial-to-LAN adapter is reached by tcp://HOST:PORT";
-            return Err(io::Error::new(ErrorKind::Unsupported, words));
-        }
-        Address::Prologix { adapter, gpib } => Box::new(PrologixLine::connect(adapter, *gpib)?),
-    })
+/// Time of one byte at `baud` (baud).
+fn byte_time(baud: u32) -> Duration {
+    Duration::from_secs(1) * BITS_PER_BYTE / baud
+}
+
+/// The error for a reply that no oscilloscope sends.
+pub fn invalid_reply(found: &str) -> io::Error {
+    io::Error::new(ErrorKind::InvalidData, format!("found {found}"))
 }

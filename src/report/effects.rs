@@ -1,34 +1,44 @@
 //! The effects of a scene as a page of text: one line an effect.
 
 use super::dot_chart::{DotChart, DotRow};
-use super::table;
+use super::table::{self, RowTable};
 use super::text::{TERMINAL_WIDTH, hanging_indent, wrapped};
 use crate::quantity::engineering;
 use crate::studies::effects::{EffectState, Ledger, LedgerEntry};
 
 /// Explanation of the table.
 const TABLE_LEGEND: &str = "Numbers: the largest change of a reading at any sensor with the effect; LSB: that of a first peak in digitiser levels; ±: 95 % of random draws. \
-    Needed: more than the accuracy (records: a tenth of a level or sample). * by auto. --why: reasons, and the values that were tried.";
+    Needed: more than the accuracy (records: a tenth of a level or sample). * by auto.";
+/// The option that prints more.
+const WHY_HINT: &str = "--why: reasons, and the values that were tried.";
 /// Column at which reasons begin.
 const REASON_COLUMN: usize = 23;
 
-/// The page that `effects` prints; with reasons and criteria where `why` is true.
-pub fn effects(ledger: &Ledger, why: bool) -> String {
+/// The table of effects, a row for each.
+pub fn effects_table(ledger: &Ledger) -> RowTable {
     let heading = ["effect", "state", "peak", "arrival", "speed", "LSB", "run", "time", ""];
     let units = ["", "", "%", "%", "%", "", "with", "w/o", "verdict"];
     let mut rows = [heading, units].map(|row| row.map(str::to_owned).to_vec()).to_vec();
     rows.extend(ledger.entries.iter().map(|entry| row(entry, ledger.accuracy)));
-    let mut lines = vec![
-        format!("{}: effects at accuracy {:.1e}", ledger.scene, ledger.accuracy),
-        String::new(),
-    ];
-    lines.extend(table::lines_apart(&rows, &[0, 1, 8], " "));
+    let mut lines = table::lines_apart(&rows, &[0, 1, 8], " ").into_iter();
+    let title = format!("{}: effects at accuracy {:.1e}", ledger.scene, ledger.accuracy);
+    let mut head = vec![title];
+    head.extend(lines.by_ref().take(2));
+    RowTable { head, rows: lines.collect(), foot: format!("{} {TABLE_LEGEND}", summary(ledger)) }
+}
+
+/// The page that `effects` prints; with reasons and criteria where `why` is true.
+pub fn effects(ledger: &Ledger, why: bool) -> String {
+    let RowTable { head, rows, .. } = effects_table(ledger);
+    let mut lines = head;
+    lines.insert(1, String::new());
+    lines.extend(rows);
     lines.push(String::new());
     if why {
         lines.extend(ledger.entries.iter().flat_map(reason));
     } else {
         lines.extend(wrapped(&summary(ledger), TERMINAL_WIDTH));
-        lines.extend(wrapped(TABLE_LEGEND, TERMINAL_WIDTH));
+        lines.extend(wrapped(&format!("{TABLE_LEGEND} {WHY_HINT}"), TERMINAL_WIDTH));
     }
     lines.join("\n")
 }

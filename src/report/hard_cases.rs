@@ -1,7 +1,7 @@
 //! The catalogue of hard cases as a page of text: one line a case.
 
 use super::dot_chart::{DotChart, DotRow};
-use super::table;
+use super::table::{self, RowTable};
 use super::text::hanging_indent;
 use crate::studies::hard_cases::CaseResult;
 
@@ -33,9 +33,8 @@ fn percent(share: f64) -> String {
     if percent < 0.1 { "< 0.1 %".to_owned() } else { format!("{percent:.1} %") }
 }
 
-/// The page that `hard-cases` prints; with what makes each case hard, its bound and its tightest
-/// figure where `why` is true.
-pub fn hard_cases(findings: &[CaseResult], why: bool) -> String {
+/// The table of hard cases, a row for each.
+pub fn hard_cases_table(findings: &[CaseResult]) -> RowTable {
     let heading = ["case", "checks", "figure", "bound", "figure/bound", "verdict"]
         .map(str::to_owned)
         .to_vec();
@@ -51,23 +50,31 @@ pub fn hard_cases(findings: &[CaseResult], why: bool) -> String {
         ]
     };
     let rows: Vec<Vec<String>> = std::iter::once(heading).chain(findings.iter().map(row)).collect();
-    let mut table = table::lines(&rows, &[0, 5]).into_iter();
-    let mut lines: Vec<String> = table.by_ref().take(1).collect();
-    for (finding, line) in findings.iter().zip(table) {
+    let mut lines = table::lines(&rows, &[0, 5]).into_iter();
+    let head = lines.by_ref().take(1).collect();
+    let count = |word: &str| findings.iter().filter(|f| f.verdict.word() == word).count();
+    let foot = format!(
+        "{} cases: {} right, {} refused with a named cause, {} wrong",
+        findings.len(),
+        count("right"),
+        count("refused"),
+        count("wrong"),
+    );
+    RowTable { head, rows: lines.collect(), foot }
+}
+
+/// The page that `hard-cases` prints; with what makes each case hard, its bound and its tightest
+/// figure where `why` is true.
+pub fn hard_cases(findings: &[CaseResult], why: bool) -> String {
+    let RowTable { head: mut lines, rows, foot } = hard_cases_table(findings);
+    for (finding, line) in findings.iter().zip(rows) {
         lines.push(line);
         let texts = [("why", finding.why), ("bound", finding.bound), ("figure", &finding.figure)];
         for (label, text) in texts.into_iter().filter(|_| why) {
             lines.extend(hanging_indent(&format!("    {label:<7} "), text));
         }
     }
-    let count = |word: &str| findings.iter().filter(|f| f.verdict.word() == word).count();
-    lines.push(format!(
-        "{} cases: {} right, {} refused with a named cause, {} wrong{}",
-        findings.len(),
-        count("right"),
-        count("refused"),
-        count("wrong"),
-        if why { "" } else { " (--why says what makes each hard)" }
-    ));
+    let hint = if why { "" } else { " (--why says what makes each hard)" };
+    lines.push(format!("{foot}{hint}"));
     lines.join("\n")
 }

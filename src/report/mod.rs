@@ -45,10 +45,10 @@ pub use comparison::{comparison, comparison_facts, comparison_parts};
 pub use contents::{contents, contents_after, contents_before, contents_of};
 pub use dark::on_dark;
 pub use dispersion::{bands, bands_curve};
-pub use effects::{effects, effects_svg};
+pub use effects::{effects, effects_svg, effects_table};
 pub use fit::{blind, fit, fit_parts};
 pub use forces::{force_picture, forces};
-pub use hard_cases::{hard_cases, hard_cases_svg};
+pub use hard_cases::{hard_cases, hard_cases_svg, hard_cases_table};
 pub use paper::{PaperPicture, paper, paper_parts, paper_pictures};
 #[cfg(feature = "png")]
 pub use png::{PngError, png};
@@ -56,6 +56,7 @@ pub use screen::{ScreenTheme, screen};
 pub use statistics::{statistics, statistics_csv};
 pub use summary::summary;
 pub use sweep::{gathering, sweep};
+pub use table::RowTable;
 pub use tunability::{transmitted, tunability, tunability_svg};
 pub use uncertainty::{
     bands_picture, normalised_error_lines, prediction_intervals, shot_picture, uncertainty_budget,

@@ -3,6 +3,17 @@
 /// Widest column: longer cells stand out of it, and make nothing else wider (characters).
 const WIDEST: usize = 60;
 
+/// A table with one row for each of a list of things, in parts.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RowTable {
+    /// Title and heading.
+    pub head: Vec<String>,
+    /// A line for each thing.
+    pub rows: Vec<String>,
+    /// Explanation of the table.
+    pub foot: String,
+}
+
 /// Lines of a table whose first row is its heading. Columns named in `left` are flush left.
 pub fn lines(rows: &[Vec<String>], left: &[usize]) -> Vec<String> {
     lines_apart(rows, left, "  ")

@@ -8,6 +8,8 @@
 use crate::scope::Waveform;
 use crate::scope::waveform::LEVELS_PER_DIVISION;
 
+/// Presses of a position key that move by one division (1).
+pub const PRESSES_PER_DIVISION: f64 = 2.0;
 /// Divisions across the screen.
 pub const DIVISIONS_ACROSS: u16 = 10;
 /// Divisions from the screen's bottom to its top.

@@ -2,17 +2,21 @@
 //! be played with.
 //!
 //! An event becomes an [`model::Action`] (`keys`), an action changes the [`ScreenState`] (`model`),
-//! the model is drawn (`view`); what takes long or touches files is done by threads (`work`), whose
-//! answers come through the same door as the keys. Only this file and `work` touch the world;
-//! everything else can be tested without one.
+//! the model is drawn (`view`, `pages`). What takes long or touches files is a [`job::Job`]:
+//! threads (`work`) do it, and its result is a change of the model that comes through the same
+//! channel as the keys. Only this file, `work` and the jobs touch the world; everything else can be
+//! tested without one.
 //!
 //! The screen is drawn again when something has happened and never otherwise. Events that are
 //! already waiting are taken together, so that holding a key down over a slow connection does not
 //! pile up frames.
 
 pub mod axis;
+pub mod job;
+pub mod key;
 pub mod keys;
 pub mod model;
+pub mod pages;
 pub mod view;
 pub mod work;
 
@@ -29,9 +33,9 @@ use ratatui::layout::{Position, Rect, Size};
 
 use crate::recording::TraceSet;
 use crate::recording::mcap::indexed_recording::IndexedRecording;
-use model::{Action, Palette, PrintedTables, ScreenState};
+use model::{Action, NoteOption, Palette, ScreenState};
 use work::served::ServedConnection;
-use work::{NoteOption, ScreenEvent, Workers};
+use work::{ScreenEvent, Workers};
 
 /// A picture is at most so much older than the first event that changed it.
 const MAX_FRAME_DELAY: Duration = Duration::from_millis(33);
@@ -48,15 +52,6 @@ pub enum ViewSource {
     Served(Box<ServedConnection>),
 }
 
-/// What the command line does for the screen.
-#[derive(Debug, Clone, Copy)]
-pub struct CommandLine {
-    /// Does what the commands say of the bench.
-    pub note_option: NoteOption,
-    /// Prints tables.
-    pub tables: PrintedTables,
-}
-
 /// Shows `subject` under the name `title` until the user quits, `behind` it the recordings with
 /// these names, held against `against` if that is there.
 ///
@@ -70,17 +65,17 @@ pub fn run(
     title: String,
     behind: Vec<(String, TraceSet)>,
     against: Option<String>,
-    command_line: CommandLine,
+    note_option: NoteOption,
 ) -> io::Result<()> {
     let plain = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
     let palette = if plain { Palette::Plain } else { Palette::Colour };
-    let (mut tape, mut scope, mut is_followed) = (None, None, false);
-    let mut model = ScreenState::new(TraceSet::default(), title, palette);
+    let (mut recording, mut scope, mut is_followed) = (None, None, false);
+    let mut model = ScreenState::new(TraceSet::default(), title.clone(), palette);
     match subject {
-        ViewSource::Set(set) => model = ScreenState::new(*set, model.title().to_owned(), palette),
+        ViewSource::Set(set) => model = ScreenState::new(*set, title, palette),
         ViewSource::IndexedRecording(file, follow) => {
             model.open_partial_recording(follow);
-            (tape, is_followed) = (Some(*file), follow);
+            (recording, is_followed) = (Some(*file), follow);
         }
         ViewSource::Bench(base) => model.open_bench(base),
         ViewSource::Served(served) => {
@@ -91,18 +86,17 @@ pub fn run(
     for (title, set) in behind {
         model.add_behind(title, set);
     }
-    model.print_with(command_line.tables);
+    model.note_with(note_option);
     if let Some(against) = against {
         model.compare_with(against);
     }
     on_terminal(|terminal| {
-        let (mut staff, news) = Workers::start(tape, is_followed);
+        let (mut workers, events) = Workers::start(recording, is_followed);
         if let Some(scope) = scope {
-            staff.watch(scope);
+            workers.watch(scope);
         }
-        staff.note_with(command_line.note_option);
-        staff.listen();
-        show(terminal, &mut model, &staff, &news)
+        workers.listen();
+        show(terminal, &mut model, &workers, &events)
     })
 }
 
@@ -140,50 +134,63 @@ fn watch_mouse() -> io::Result<()> {
 fn show(
     terminal: &mut DefaultTerminal,
     model: &mut ScreenState,
-    staff: &Workers,
-    news: &Receiver<ScreenEvent>,
+    workers: &Workers,
+    events: &Receiver<ScreenEvent>,
 ) -> io::Result<()> {
+    let mut clock = PlayClock::default();
     while model.is_running() {
         terminal.draw(|frame| view::draw(model, frame))?;
         let size = terminal.size()?;
-        staff.serve(model, size);
-        let started = Instant::now();
+        workers.serve(model, size);
         let mut wait = if model.is_playing() { Some(MAX_FRAME_DELAY) } else { None };
         let mut first = None;
         // Something that changes the picture, and then whatever is waiting already.
-        while let Some(came) = next(news, wait) {
-            if !take(came, size, model) {
+        while let Some(event) = next(events, wait) {
+            if !take(event, size, model) {
                 continue;
             }
-            staff.serve(model, size);
+            workers.serve(model, size);
             let since: &Instant = first.get_or_insert_with(Instant::now);
             if !model.is_running() || since.elapsed() >= MAX_FRAME_DELAY {
                 break;
             }
             wait = Some(Duration::ZERO);
         }
-        if model.is_playing() {
-            model::update(model, Action::Tick(started.elapsed().as_secs_f64()));
+        if let Some(seconds) = clock.elapsed(Instant::now(), model.is_playing()) {
+            model::update(model, Action::Tick(seconds));
         }
     }
     Ok(())
 }
 
-/// The next news, for which it waits at most `wait`, or for ever.
-fn next(news: &Receiver<ScreenEvent>, wait: Option<Duration>) -> Option<ScreenEvent> {
+/// Measures the time that is played: all of it since the last tick, drawing included.
+#[derive(Debug, Default)]
+struct PlayClock(Option<Instant>);
+
+impl PlayClock {
+    /// Time since the last call (s); none at the first call of a time of playing.
+    fn elapsed(&mut self, now: Instant, is_playing: bool) -> Option<f64> {
+        let before = std::mem::replace(&mut self.0, is_playing.then_some(now));
+        let before = before.filter(|_| is_playing)?;
+        Some(now.duration_since(before).as_secs_f64())
+    }
+}
+
+/// The next event, for which it waits at most `wait`, or for ever.
+fn next(events: &Receiver<ScreenEvent>, wait: Option<Duration>) -> Option<ScreenEvent> {
     match wait {
-        None => Some(news.recv().unwrap_or(ScreenEvent::Closed)),
-        Some(wait) => match news.recv_timeout(wait) {
-            Ok(came) => Some(came),
+        None => Some(events.recv().unwrap_or(ScreenEvent::Closed)),
+        Some(wait) => match events.recv_timeout(wait) {
+            Ok(event) => Some(event),
             Err(RecvTimeoutError::Timeout) => None,
             Err(RecvTimeoutError::Disconnected) => Some(ScreenEvent::Closed),
         },
     }
 }
 
-/// Lets one piece of news act on the model; whether the picture has to be drawn again.
-fn take(news: ScreenEvent, size: Size, model: &mut ScreenState) -> bool {
-    match news {
+/// Lets one event act on the model; whether the picture has to be drawn again.
+fn take(event: ScreenEvent, size: Size, model: &mut ScreenState) -> bool {
+    match event {
         ScreenEvent::Terminal(event) => return press(&event, size, model),
         ScreenEvent::Closed => model::update(model, Action::Quit),
         other => other.apply(model),
@@ -201,5 +208,23 @@ fn press(event: &Event, size: Size, model: &mut ScreenState) -> bool {
             true
         }
         None => matches!(event, Event::Resize(..)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_time_between_two_ticks_is_played() {
+        let start = Instant::now();
+        let at = |milliseconds| start + Duration::from_millis(milliseconds);
+        let mut clock = PlayClock::default();
+        assert_eq!(clock.elapsed(at(0), false), None);
+        assert_eq!(clock.elapsed(at(500), true), None);
+        let ticks = [533, 600, 633].map(|now| clock.elapsed(at(now), true).expect("a tick"));
+        assert!((ticks.iter().sum::<f64>() - 0.133).abs() < 1e-12, "{ticks:?}");
+        assert_eq!(clock.elapsed(at(900), false), None);
+        assert_eq!(clock.elapsed(at(1000), true), None);
     }
 }

@@ -3,12 +3,14 @@
 
 mod addresses;
 mod command;
-mod lines;
+mod lies;
+pub mod lines;
 mod prologix;
 mod pulled;
+mod stopped;
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
 use std::time::Duration;
 
 use hertzscope::client::{AcquisitionEvent, Address, ClientTiming, ShotAcquisition};
@@ -44,11 +46,10 @@ fn shots(
     timing: ClientTiming,
     count: u32,
 ) -> (Vec<Shot>, Vec<AcquisitionEvent>) {
-    let mut scope = ShotAcquisition::begin(address, timing).expect("a scope");
+    let mut scope = ShotAcquisition::begin(address, timing, &Arc::default()).expect("a scope");
     let mut events = Vec::new();
     let taken = (1..=count).map(|number| {
-        let stop = AtomicBool::new(false);
-        let taken = scope.shot(&stop, &mut |event| events.push(event)).expect("a line");
+        let taken = scope.shot(&mut |event| events.push(event)).expect("a line");
         taken.expect("a shot").numbered(number, address).0
     });
     let taken = taken.collect();
@@ -93,14 +94,13 @@ fn a_serial_line_brings_every_sample() {
         let server = struck(&own);
         let port = serial_port(server.address, folder.path(), ByteTime::at(baud), Vec::new());
         let address = Address::Serial { device: port.clone(), baud };
-        let mut scope = ShotAcquisition::begin(&address, TIMING).expect("a scope");
+        let mut scope = ShotAcquisition::begin(&address, TIMING, &Arc::default()).expect("a scope");
         let settings = tcgetattr(std::fs::File::open(&port).expect("a port")).expect("settings");
         assert_eq!((settings.input_speed(), settings.output_speed()), (baud, baud));
         let modes = settings.control_modes;
         assert!(modes.contains(ControlModes::CRTSCTS | ControlModes::CS8), "{modes:?}");
         assert!(!modes.intersects(ControlModes::PARENB | ControlModes::CSTOPB), "{modes:?}");
-        let stop = AtomicBool::new(false);
-        let taken = scope.shot(&stop, &mut |_| ()).expect("a line").expect("a shot");
+        let taken = scope.shot(&mut |_| ()).expect("a line").expect("a shot");
         scope.end().expect("a scope as it was");
         drop(server);
         assert_recorded(&[taken.numbered(1, &address).0], &own);
@@ -118,7 +118,7 @@ fn a_prologix_adapter_brings_every_sample() {
     let told = adapter.commands();
     drop(server);
     assert_recorded(&taken, &own);
-    assert!(!events.iter().any(|event| matches!(event, AcquisitionEvent::LineFailed(_))));
+    assert!(!events.iter().any(|event| matches!(event, AcquisitionEvent::Line(_))));
     for needed in ["++mode 1", "++addr 7", "++auto 0", "++eoi 1", "++savecfg 0", "++read eoi"] {
         assert!(told.iter().any(|command| command == needed), "{needed} in {told:?}");
     }

@@ -1,29 +1,64 @@
 //! The table of keys.
 
-use ratatui::crossterm::event::{KeyCode, KeyModifiers};
+use ratatui::crossterm::event::KeyCode;
 
-use super::{Binding, BindingScope, KeyPress};
 use crate::tui::axis::TurnDirection;
-use crate::tui::model::{Action, Page, Popup, SidePanel};
-
-const fn plain(code: KeyCode) -> KeyPress {
-    KeyPress { code, modifiers: KeyModifiers::NONE }
-}
-
-const fn letter(letter: char) -> KeyPress {
-    plain(KeyCode::Char(letter))
-}
-
-const fn shift(code: KeyCode) -> KeyPress {
-    KeyPress { code, modifiers: KeyModifiers::SHIFT }
-}
-
-const fn control(letter: char) -> KeyPress {
-    KeyPress { code: KeyCode::Char(letter), modifiers: KeyModifiers::CONTROL }
-}
+use crate::tui::key::KeyPress;
+use crate::tui::model::{Action, Popup, SidePanel};
+use crate::tui::pages::PAGES;
 
 const fn time_per_division(turn: TurnDirection) -> Action {
     Action::TimePerDivision { turn, anchor: 0.0 }
+}
+
+/// Where a binding holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BindingScope {
+    /// Everywhere.
+    Everywhere,
+    /// On the scope's screen.
+    Scope,
+    /// In a panel over it.
+    Panels,
+}
+
+/// One line of the help: keys that belong together, and what each does.
+#[derive(Debug, Clone, Copy)]
+pub struct Binding {
+    /// Where the keys hold.
+    pub place: BindingScope,
+    /// The keys as people write them.
+    pub label: &'static str,
+    /// The keys and their actions.
+    pub keys: &'static [(KeyPress, Action)],
+    /// Help text.
+    pub help: &'static str,
+}
+
+impl Binding {
+    /// Its label and its text, as the help shows them.
+    pub fn row(&self) -> HelpRow {
+        (self.label.to_owned(), self.help)
+    }
+}
+
+/// A key or command and the text on it in the help.
+pub type HelpRow = (String, &'static str);
+
+const fn plain(code: KeyCode) -> KeyPress {
+    KeyPress::plain(code)
+}
+
+const fn letter(letter: char) -> KeyPress {
+    KeyPress::letter(letter)
+}
+
+const fn shift(code: KeyCode) -> KeyPress {
+    KeyPress::shift(code)
+}
+
+const fn control(letter: char) -> KeyPress {
+    KeyPress::control(letter)
 }
 
 const fn binding(
@@ -34,26 +69,59 @@ const fn binding(
     Binding { place, label, keys, help }
 }
 
-/// All keys, as the help groups them.
-pub const GROUPS: &[(&str, &[Binding])] = &[
+/// All keys but those of pages, as the help groups them.
+const GROUPS: &[(&str, &[Binding])] = &[
     ("Everywhere", ANYWHERE),
     ("Traces", TRACES),
     ("Time and shots", TIME),
     ("Readings", READINGS),
-    ("Pages", PAGES),
     ("Bench and scope (striking a chain)", BENCH),
 ];
 
-/// All keys.
+/// The group of the help behind that of the pages.
+const GROUP_BEHIND_PAGES: &str = "Bench and scope (striking a chain)";
+
+/// All keys but those of pages.
 pub fn bindings() -> impl Iterator<Item = &'static Binding> {
     GROUPS.iter().flat_map(|(_, bindings)| *bindings)
+}
+
+/// The rows of the help, in groups.
+pub fn groups() -> Vec<(&'static str, Vec<HelpRow>)> {
+    let mut groups: Vec<(&str, Vec<HelpRow>)> = Vec::new();
+    for (title, bindings) in GROUPS {
+        if *title == GROUP_BEHIND_PAGES {
+            let rows = PAGES.iter().map(|page| (page.0.key.to_string(), page.0.help));
+            groups.push(("Pages", rows.collect()));
+        }
+        groups.push((title, bindings.iter().map(Binding::row).collect()));
+    }
+    groups
+}
+
+/// The action of `pressed` on the traces, or under a panel.
+pub fn general_action(pressed: KeyPress, is_panel_open: bool) -> Option<Action> {
+    let of_page = || {
+        let page = PAGES.iter().find(|page| KeyPress::letter(page.0.key) == pressed);
+        page.filter(|_| !is_panel_open).map(|page| Action::Page(*page))
+    };
+    bindings()
+        .filter(|binding| match binding.place {
+            BindingScope::Everywhere => true,
+            BindingScope::Scope => !is_panel_open,
+            BindingScope::Panels => is_panel_open,
+        })
+        .flat_map(|binding| binding.keys)
+        .find(|(key, _)| *key == pressed)
+        .map(|(_, action)| *action)
+        .or_else(of_page)
 }
 
 const ANYWHERE: &[Binding] = &[
     binding(
         (BindingScope::Everywhere, "?"),
         &[(letter('?'), Action::Toggle(Popup::Help))],
-        "this help, and away again",
+        "help on, off",
     ),
     binding(
         (BindingScope::Everywhere, "q Esc"),
@@ -217,42 +285,6 @@ const READINGS: &[Binding] = &[
     ),
 ];
 
-const PAGES: &[Binding] = &[
-    binding(
-        (BindingScope::Scope, "F S x"),
-        &[
-            (letter('F'), Action::Page(Page::Spectrum)),
-            (letter('S'), Action::Page(Page::Map)),
-            (letter('x'), Action::Page(Page::Xy)),
-        ],
-        "spectrum with band edges; over time; XY",
-    ),
-    binding(
-        (BindingScope::Scope, "b"),
-        &[(letter('b'), Action::Page(Page::Bench))],
-        "the chain in motion; Space , . < > work on it",
-    ),
-    binding(
-        (BindingScope::Scope, "d"),
-        &[(letter('d'), Action::Compare)],
-        "comparison: both, overlay, difference, away",
-    ),
-    binding(
-        (BindingScope::Scope, "k y h"),
-        &[
-            (letter('k'), Action::Page(Page::Accuracy)),
-            (letter('y'), Action::Page(Page::Effects)),
-            (letter('h'), Action::Page(Page::HardCases)),
-        ],
-        "work against precision; effects; hard cases",
-    ),
-    binding(
-        (BindingScope::Scope, "r"),
-        &[(letter('r'), Action::Page(Page::Remote))],
-        "remote commands and replies around the shot",
-    ),
-];
-
 const BENCH: &[Binding] = &[
     binding(
         (BindingScope::Scope, "B i U"),
@@ -307,83 +339,25 @@ const BENCH: &[Binding] = &[
 /// Keys that come first on the last line while the panel of knobs is open.
 pub const KNOB_HINTS: &[(&str, &str)] = &[("n - +", "knob"), ("E", "type"), ("o", "on, off")];
 /// The same while several recordings are open.
-pub const RECORDING_HINTS: &[(&str, &str)] = &[("O", "other in front")];
+pub const RECORDING_HINTS: &[(&str, &str)] = &[("O", "next recording")];
 
-/// Keys that the last line names on a page, in order of use.
-pub fn hints(page: Page) -> &'static [(&'static str, &'static str)] {
-    match page {
-        Page::Scope => &[
-            ("?", "help"),
-            ("q", "quit"),
-            ("1-4", "channel"),
-            ("↑ ↓", "V/div"),
-            ("← →", "s/div"),
-            ("z a", "reset, auto"),
-            ("F", "FFT"),
-            ("b", "bench"),
-            ("d", "compare"),
-            ("c", "cursors"),
-            ("M", "measure"),
-            ("k", "accuracy"),
-            ("y h", "effects, hard cases"),
-            (", .", "shot"),
-            ("Space", "play"),
-            ("n - +", "knob"),
-            ("w", "save"),
-        ],
-        Page::Spectrum | Page::Map => &[
-            ("?", "help"),
-            ("Esc", "traces"),
-            ("1-4", "channel"),
-            ("← →", "Hz/div"),
-            ("H L", "lower, higher"),
-            ("z", "all"),
-            ("F S", "spectrum, over time"),
-            (", .", "shot"),
-            ("w", "save"),
-        ],
-        Page::Xy => {
-            &[("?", "help"), ("Esc", "traces"), ("1-4", "upward"), (", .", "shot"), ("w", "save")]
-        }
-        Page::Bench => &[
-            ("?", "help"),
-            ("Esc", "traces"),
-            ("Space", "play"),
-            (", .", "frame"),
-            ("< >", "slower, faster"),
-            (":", "seek TIME"),
-            ("n - +", "knob"),
-            ("w", "save"),
-        ],
-        Page::Compare => &[
-            ("?", "help"),
-            ("Esc", "traces"),
-            ("d", "overlay, difference"),
-            ("1-4", "channel"),
-            ("↑ ↓", "V/div"),
-            (", .", "shot"),
-            ("w", "save"),
-        ],
-        Page::Accuracy => &[("?", "help"), ("Esc", "traces"), ("y", "effects"), ("w", "save")],
-        Page::Effects => &[
-            ("?", "help"),
-            ("Esc", "traces"),
-            ("↑ ↓", "effect"),
-            ("o", "on, off"),
-            ("h", "hard cases"),
-            ("k", "accuracy"),
-            ("w", "save"),
-        ],
-        Page::HardCases => {
-            &[("?", "help"), ("Esc", "traces"), ("↑ ↓", "case"), ("y", "effects"), ("w", "save")]
-        }
-        Page::Remote => &[
-            ("?", "help"),
-            ("Esc", "traces"),
-            ("↑ ↓", "message"),
-            ("PgUp PgDn", "ten on"),
-            (", .", "shot"),
-            ("w", "save"),
-        ],
-    }
-}
+/// Keys that the last line names on the traces, in order of use.
+pub const TRACE_HINTS: &[(&str, &str)] = &[
+    ("?", "help"),
+    ("q", "quit"),
+    ("1-4", "channel"),
+    ("↑ ↓", "V/div"),
+    ("← →", "s/div"),
+    ("z a", "reset, auto"),
+    ("F", "FFT"),
+    ("b", "bench"),
+    ("d", "compare"),
+    ("c", "cursors"),
+    ("M", "measure"),
+    ("k", "accuracy"),
+    ("y h", "effects, hard cases"),
+    (", .", "shot"),
+    ("Space", "play"),
+    ("n - +", "knob"),
+    ("w", "save"),
+];

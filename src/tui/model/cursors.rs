@@ -1,10 +1,10 @@
 //! The pair of cursors: put, moved, snapped, and what they tell.
 
-use super::features::features;
-use super::state::{CursorKind, PlacedCursor, value_at};
-use super::{Page, ScreenState};
-use crate::measurement::arrivals::survey;
+use super::screen_state::ScreenState;
+use super::state::{CursorKind, PlacedCursor, ordinate_unit, value_at};
+use crate::scope::Waveform;
 use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, TurnDirection};
+use crate::tui::job::{Job, Queue};
 
 /// A cursor's step (div).
 const CURSOR_STEP: f64 = 0.05;
@@ -100,49 +100,64 @@ impl ScreenState {
             return;
         };
         let Some(capture) = self.selected() else { return };
-        let waveform = &capture.waveform;
-        let mut places = features(waveform);
-        if self.cursors.kind == CursorKind::Volts {
-            places = places.into_iter().filter_map(|at| value_at(waveform, at)).collect();
-            places.sort_by(f64::total_cmp);
-        }
+        let waveform = capture.waveform.clone();
+        let is_volts = self.cursors.kind == CursorKind::Volts;
         let apart = POSITION_TOLERANCE * division;
-        let next = match turn {
-            TurnDirection::Up => places.into_iter().find(|at| *at > cursor.at + apart),
-            TurnDirection::Down => places.into_iter().rev().find(|at| *at < cursor.at - apart),
-        };
-        match next {
-            Some(at) => self.put_cursor(at),
-            None => self.notice = Some("no further peak or edge in this direction".to_owned()),
-        }
+        self.move_to_found(cursor, "no further peak or edge in this direction", move || {
+            let mut places = features(&waveform);
+            if is_volts {
+                places = places.into_iter().filter_map(|at| value_at(&waveform, at)).collect();
+                places.sort_by(f64::total_cmp);
+            }
+            match turn {
+                TurnDirection::Up => places.into_iter().find(|at| *at > cursor.at + apart),
+                TurnDirection::Down => places.into_iter().rev().find(|at| *at < cursor.at - apart),
+            }
+        });
+    }
+
+    /// Moves the active cursor to the place that `find` finds on a thread, unless it was moved
+    /// meanwhile; without a place shows the notice `nothing`.
+    fn move_to_found(
+        &mut self,
+        from: PlacedCursor,
+        nothing: &'static str,
+        find: impl FnOnce() -> Option<f64> + Send + 'static,
+    ) {
+        self.ask(Job::new(
+            Queue::Key,
+            move |_| Ok(find()),
+            move |model: &mut Self, found: Result<Option<f64>, String>| match found {
+                Ok(Some(at)) if model.active_cursor() == Some(from) => model.put_cursor(at),
+                Ok(Some(_)) => {}
+                Ok(None) => model.notice = Some(nothing.to_owned()),
+                Err(problem) => model.notice = Some(problem),
+            },
+        ));
     }
 
     /// Puts the active cursor at the arrival of the first pulse in the selected trace.
     pub(super) fn snap_to_arrival(&mut self) {
-        if self.cursors.kind != CursorKind::Time || self.active_cursor().is_none() {
+        let cursor = self.active_cursor().filter(|_| self.cursors.kind == CursorKind::Time);
+        let Some(cursor) = cursor else {
             self.notice = Some("no cursors over time on screen: c shows them".to_owned());
             return;
-        }
-        match self.first_arrival() {
-            Some(at) => self.put_cursor(at),
-            None => self.notice = Some("found no first pulse in this trace".to_owned()),
-        }
-    }
-
-    /// Arrival of the first pulse in the selected trace (s).
-    fn first_arrival(&self) -> Option<f64> {
-        let name = self.selected()?.waveform.source.to_string();
-        let survey = survey(&self.set, self.shot()?);
-        let channel = survey.channels.iter().find(|channel| channel.channel == name)?;
-        let half = channel.arrivals.iter().find(|arrival| arrival.estimator == "half_rise")?;
-        Some(half.time_s?.value)
+        };
+        let Some(survey) = self.survey_job() else { return };
+        let name = self.selected().map(|capture| capture.waveform.source.to_string());
+        self.move_to_found(cursor, "found no first pulse in this trace", move || {
+            let survey = survey();
+            let channel = survey.channels.iter().find(|c| Some(&c.channel) == name.as_ref())?;
+            let half = channel.arrivals.iter().find(|arrival| arrival.estimator == "half_rise")?;
+            Some(half.time_s?.value)
+        });
     }
 
     /// The button went down at a place counted in divisions from the centre: takes hold of the
     /// nearer cursor, or of the picture.
     pub(super) fn press_at(&mut self, x: f64, y: f64) {
-        if self.page != Page::Scope {
-            self.grip = self.shows_frequencies().then_some((x, y));
+        if self.page.is_some() {
+            self.grip = None;
             return;
         }
         self.grip = Some((x, y));
@@ -156,9 +171,6 @@ impl ScreenState {
     /// The mouse moves with its button down: a cursor goes along, or else the picture.
     pub(super) fn drag_to(&mut self, x: f64, y: f64) {
         let Some((from_x, from_y)) = self.grip.replace((x, y)) else { return };
-        if self.shows_frequencies() {
-            return self.pan_band(from_x - x);
-        }
         if let (Some(_), Some([at, _])) = (self.cursors.pair, self.place_of(self.along(x, y))) {
             self.put_cursor(at);
         } else {
@@ -184,14 +196,14 @@ impl ScreenState {
         let one = waveforms[0].or(waveforms[1])?;
         let difference = second.at - first.at;
         let is_time = self.cursors.kind == CursorKind::Time;
-        let ordinate = super::ordinate_unit(one).to_owned();
+        let ordinate = ordinate_unit(one).to_owned();
         let unit = if is_time { one.preamble.x_unit.clone() } else { ordinate.clone() };
         let value = |cursor: PlacedCursor| value_at(&self.find(cursor.source)?.waveform, cursor.at);
         let seconds = is_time && unit == "s" && difference != 0.0;
         let speed = || {
             let from = self.sensor(first.source)?.place?;
             let to = self.sensor(second.source)?.place?;
-            let (distance, _) = self.scene.as_ref()?.distance(from, to)?;
+            let (distance, _) = self.recordings.front().scene.as_ref()?.distance(from, to)?;
             (distance != 0.0).then(|| (distance / difference).abs())
         };
         Some(CursorReading {
@@ -204,4 +216,44 @@ impl ScreenState {
             speed: if seconds { speed() } else { None },
         })
     }
+}
+
+/// Swings smaller than this share of the largest are no peaks (1).
+const MIN_SWING_SHARE: f64 = 0.1;
+/// A peak is half as high at its edge (1).
+const EDGE_SHARE: f64 = 0.5;
+
+/// Abscissae of all peaks and edges, in order (s; Hz for an FFT).
+pub fn features(waveform: &Waveform) -> Vec<f64> {
+    let values: Vec<f64> = waveform.codes.iter().map(|code| waveform.volts_of(*code)).collect();
+    let mut sorted = values.clone();
+    sorted.sort_by(f64::total_cmp);
+    let Some(base) = sorted.get(sorted.len() / 2).copied() else { return Vec::new() };
+    let swing = values.iter().map(|value| (value - base).abs()).fold(0.0, f64::max);
+    let band = MIN_SWING_SHARE * swing;
+    let mut places = Vec::new();
+    let mut index = 0;
+    while let Some(first) = next_outside(&values, index, base, band) {
+        let sign = (values.get(first).copied().unwrap_or(base) - base).signum();
+        let height = |at: usize| values.get(at).map_or(0.0, |value| sign * (value - base));
+        let end = (first..values.len()).find(|at| height(*at) < band).unwrap_or(values.len());
+        let peak =
+            (first..end).fold(first, |best, at| if height(at) > height(best) { at } else { best });
+        let level = EDGE_SHARE * height(peak);
+        let from = first.saturating_sub(1);
+        let rise = (from..peak).find(|at| height(*at) < level && height(at + 1) >= level);
+        places.extend(rise.map(|at| {
+            let share = (level - height(at)) / (height(at + 1) - height(at));
+            waveform.time(at) + share * waveform.preamble.x_incr
+        }));
+        places.push(waveform.time(peak));
+        index = end;
+    }
+    places
+}
+
+/// The first point from `from` on that lies outside the band (1).
+fn next_outside(values: &[f64], from: usize, base: f64, band: f64) -> Option<usize> {
+    let outside = |value: &f64| band > 0.0 && (value - base).abs() >= band;
+    values.iter().skip(from).position(outside).map(|at| at + from)
 }

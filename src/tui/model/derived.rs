@@ -1,21 +1,15 @@
-//! Computes spectra, measurements and arrivals for the pages; only those on screen, and only when
-//! the input has changed.
+//! Has spectra, measurements and arrivals computed for the page and the side panel; only those on
+//! screen, and only when their input has changed.
 
-use super::ScreenState;
-use super::state::{Derived, DerivedKey, MeasurementReading, Page, SidePanel};
-use crate::analysis::spectrum::Window;
-use crate::analysis::spectrum::{Analyser, Spectrum, SpectrumSettings};
-use crate::analysis::time_frequency::{Pieces, Spectrogram};
+use super::screen_state::{DerivedPart, ScreenState};
+use super::state::{Derived, DerivedKey, MeasurementReading, SidePanel, ordinate_unit};
 use crate::instrument::measure::{measure, unit};
-use crate::measurement::arrivals::survey;
+use crate::measurement::arrivals::{Survey, survey};
 use crate::measurement::metadata::{self, RecordedSensor};
-use crate::scope::Source;
+use crate::recording::{Shot, TraceSet};
 use crate::scope::panel::MeasurementType;
-use crate::trace::Trace;
-
-/// Spectra of records longer than this are made of every second, third, ... sample: a terminal
-/// shows no more.
-const MAX_SPECTRUM_SAMPLES: usize = 20_000;
+use crate::scope::{Source, Waveform};
+use crate::tui::job::{Job, Queue};
 
 /// The measurements of the side panel with the names that the instrument's menu gives them.
 const MEASUREMENTS: [(&str, MeasurementType); 11] = [
@@ -41,80 +35,81 @@ impl ScreenState {
     /// The sensor that the recording wired to `source`.
     pub fn sensor(&self, source: Source) -> Option<RecordedSensor> {
         let name = source.to_string();
-        let mut sensors = metadata::sensors(self.set()).into_iter();
+        let mut sensors = metadata::sensors(&self.recordings.front().set).into_iter();
         sensors.find(|sensor| sensor.channel.as_ref() == Some(&name))
     }
 
-    /// Works out what the screen shows, unless it has.
+    /// Has computed what the screen shows, unless it is or is being computed.
     pub(super) fn derive(&mut self) {
         let key = DerivedKey {
             version: self.version,
             source: self.selected,
-            page: self.page,
+            page: self.page.map(|page| page.0.name),
             side: self.side,
         };
         if self.derived.made_of == Some(key) {
             return;
         }
-        let mut derived = Derived { made_of: Some(key), ..Derived::default() };
-        if matches!(self.page, Page::Spectrum | Page::Map) {
-            let site = self.selected.and_then(|source| self.sensor(source)).and_then(|s| s.site());
-            let scene = self.scene.as_ref();
-            derived.chain = site.zip(scene).and_then(|(site, scene)| metadata::cell(scene, site));
+        let of_page = self.page.and_then(|page| (page.0.derive)(self));
+        let of_side = (self.side == SidePanel::Measurements).then(|| self.measurements());
+        // Until then that of the shot before stays, if it is of the same trace.
+        let is_alike = self.derived.made_of.is_some_and(|before| before.is_alike(&key));
+        if !is_alike {
+            self.derived = Derived::default();
         }
-        let trace = self.selected().and_then(crate::recording::Capture::trace).map(thinned);
-        let trace =
-            trace.ok_or_else(|| "this is a spectrum already: select a trace over time".to_owned());
-        if self.page == Page::Spectrum {
-            derived.spectrum = Some(trace.clone().and_then(|trace| spectrum(&trace)));
+        self.derived.made_of = Some(key);
+        let parts: Vec<DerivedPart> = of_page.into_iter().chain(of_side).collect();
+        if parts.is_empty() {
+            return;
         }
-        if self.page == Page::Map {
-            let gap = derived.chain.map(|chain| chain.gap_top() - chain.gap_bottom());
-            derived.map = Some(trace.and_then(|trace| map(&trace, gap)));
-        }
-        if self.side == SidePanel::Measurements {
-            derived.readings = self.readings();
-            derived.survey = self.set_shot().map(|shot| survey(&self.set, shot));
-        }
-        self.derived = derived;
-    }
-
-    fn readings(&self) -> Vec<MeasurementReading> {
-        let Some(capture) = self.selected() else { return Vec::new() };
-        let reading = |(name, kind): (&'static str, MeasurementType)| MeasurementReading {
-            name,
-            value: measure(kind, &capture.waveform).ok(),
-            unit: match unit(kind) {
-                "V" => super::state::ordinate_unit(&capture.waveform).to_owned(),
-                other => other.to_owned(),
+        self.derived.is_pending = true;
+        self.ask(Job::new(
+            Queue::Reading,
+            move |_| {
+                let mut derived = Derived { made_of: Some(key), ..Derived::default() };
+                parts.into_iter().for_each(|part| part(&mut derived));
+                Ok(derived)
             },
+            move |model: &mut Self, found: Result<Derived, String>| match found {
+                Ok(found) if model.derived.made_of == Some(key) => model.derived = found,
+                Ok(_) => {}
+                Err(problem) => model.notice = Some(problem),
+            },
+        ));
+    }
+
+    /// The measurements of the selected trace, and arrivals and speeds of the shot, for a thread.
+    fn measurements(&self) -> DerivedPart {
+        let waveform = self.selected().map(|capture| capture.waveform.clone());
+        let survey = self.survey_job();
+        Box::new(move |derived| {
+            derived.readings = waveform.as_ref().map_or_else(Vec::new, readings);
+            derived.survey = survey.map(|survey| survey());
+        })
+    }
+
+    /// The survey of arrivals and speeds of the shot, for a thread.
+    pub(super) fn survey_job(&self) -> Option<impl FnOnce() -> Survey + Send + 'static> {
+        let shot = Shot { truth: Vec::new(), ..self.shot()?.clone() };
+        let set = &self.recordings.front().set;
+        let set = TraceSet {
+            metadata: set.metadata.clone(),
+            attachments: set.attachments.clone(),
+            shots: vec![shot.clone()],
+            ..TraceSet::default()
         };
-        MEASUREMENTS.map(reading).to_vec()
+        Some(move || survey(&set, &shot))
     }
 }
 
-/// Every so manieth sample of a long record.
-fn thinned(trace: Trace) -> Trace {
-    let step = trace.values.len().div_ceil(MAX_SPECTRUM_SAMPLES).max(1);
-    let interval = trace.interval * step as f64;
-    Trace { interval, values: trace.values.into_iter().step_by(step).collect(), ..trace }
-}
-
-fn spectrum(trace: &Trace) -> Result<Spectrum, String> {
-    let settings = SpectrumSettings { offset: mean(trace), ..SpectrumSettings::default() };
-    Analyser::new().spectrum(trace, &settings).map_err(|error| error.to_string())
-}
-
-fn map(trace: &Trace, gap: Option<f64>) -> Result<Spectrogram, String> {
-    let pieces = Pieces::of_record(trace.values.len(), trace.interval, gap);
-    let settings = SpectrumSettings {
-        offset: mean(trace),
-        window: Window::Hann,
-        ..SpectrumSettings::default()
+fn readings(waveform: &Waveform) -> Vec<MeasurementReading> {
+    let reading = |(name, kind): (&'static str, MeasurementType)| MeasurementReading {
+        name,
+        value: measure(kind, waveform).ok(),
+        unit: match unit(kind) {
+            "V" => ordinate_unit(waveform).to_owned(),
+            other => other.to_owned(),
+        },
     };
-    Spectrogram::of(&mut Analyser::new(), trace, &settings, pieces).map_err(|e| e.to_string())
-}
-
-fn mean(trace: &Trace) -> f64 {
-    trace.values.iter().sum::<f64>() / trace.values.len().max(1) as f64
+    MEASUREMENTS.map(reading).to_vec()
 }

@@ -1,15 +1,13 @@
 //! The scope's own knobs: on a recording they move the picture, on a running bench they set the
 //! scope.
 
-use super::ScreenState;
 use super::knobs::{pending, typed};
 use super::live_state::TunedSettings;
-use super::state::{Page, RunState};
+use super::screen_state::ScreenState;
+use super::state::RunState;
 use crate::scope::{AcquireMode, Slope, Source, TriggerMode, Waveform};
-use crate::tui::axis::{TurnDirection, Vertical, ViewWindow};
+use crate::tui::axis::{PRESSES_PER_DIVISION, TurnDirection, Vertical, ViewWindow};
 
-/// A division in so many presses of a position key (1).
-const PRESSES_PER_DIVISION: f64 = 2.0;
 /// A turn of the trigger level (div).
 const LEVEL_STEP: f64 = 0.1;
 
@@ -33,18 +31,23 @@ impl ScreenState {
 
     /// Settings changed in this session.
     pub(super) fn tuned(&self) -> TunedSettings {
-        self.live.as_ref().map(|live| live.settings().clone()).unwrap_or_default()
+        self.recordings
+            .front()
+            .live
+            .as_ref()
+            .map(|live| live.settings().clone())
+            .unwrap_or_default()
     }
 
     /// The value set for `path`, before or after the next strike (unit).
     fn set_for(&self, path: &str) -> Option<f64> {
-        pending(self.live.as_ref()?.settings(), path)
+        pending(self.recordings.front().live.as_ref()?.settings(), path)
     }
 
     /// Whether the knobs set the scope and not the picture.
     pub(super) fn sets_the_scope(&self) -> bool {
         let runs = |live: &super::LiveBench| live.acquisition != RunState::Stopped;
-        self.live.as_ref().is_some_and(runs)
+        self.recordings.front().live.as_ref().is_some_and(runs)
     }
 
     /// The scope's setting of the selected channel; none while knobs move the picture only.
@@ -95,9 +98,6 @@ impl ScreenState {
 
     /// The s/div knob; what stands `anchor` divisions right of the centre stays there.
     pub(super) fn turn_time(&mut self, turn: TurnDirection, anchor: f64) {
-        if self.shows_frequencies() {
-            return self.zoom_band(turn, anchor);
-        }
         if !self.sets_the_scope() {
             self.look(|window, waveform| window.zoomed(waveform, turn, anchor));
             return;
@@ -114,9 +114,6 @@ impl ScreenState {
     /// The horizontal position knob.
     pub(super) fn turn_pan(&mut self, turn: TurnDirection) {
         let step = -turn.sign() / PRESSES_PER_DIVISION;
-        if self.shows_frequencies() {
-            return self.pan_band(step);
-        }
         if !self.sets_the_scope() {
             self.look(|window, waveform| window.panned(waveform, step));
             return;
@@ -170,7 +167,12 @@ impl ScreenState {
         let Some(path) = self.channel_path() else { return };
         let path = format!("{path}.coupling");
         // What was set and is not recorded yet counts.
-        let set = self.live.as_ref().and_then(|live| live.settings().get(&path).cloned());
+        let set = self
+            .recordings
+            .front()
+            .live
+            .as_ref()
+            .and_then(|live| live.settings().get(&path).cloned());
         let now = set.or(recorded.map(|coupling| coupling.to_string())).unwrap_or_default();
         let next = match now.as_str() {
             "DC" => "AC",
@@ -189,7 +191,12 @@ impl ScreenState {
         }
         let Some(path) = self.channel_path() else { return };
         let path = format!("{path}.bandwidth_limit");
-        let set = self.live.as_ref().and_then(|live| live.settings().get(&path).cloned());
+        let set = self
+            .recordings
+            .front()
+            .live
+            .as_ref()
+            .and_then(|live| live.settings().get(&path).cloned());
         let now = set.map_or(recorded == Some(true), |word| word == "true");
         self.set_value(path, (!now).to_string());
     }
@@ -208,7 +215,12 @@ impl ScreenState {
         }
         sources.push("LINE".to_owned());
         let path = "scope.trigger.source";
-        let set = self.live.as_ref().and_then(|live| live.settings().get(path).cloned());
+        let set = self
+            .recordings
+            .front()
+            .live
+            .as_ref()
+            .and_then(|live| live.settings().get(path).cloned());
         let now = set.unwrap_or_else(|| scope.trigger.source.to_string());
         let next = sources.iter().position(|source| *source == now).map_or(0, |place| place + 1);
         if let Some(next) = sources.get(next % sources.len()).cloned() {
@@ -224,7 +236,7 @@ impl ScreenState {
         }
         let Some(scope) = self.scope() else { return };
         let averages = scope.model.limits.averages.clone();
-        let set = |path: &str| self.live.as_ref()?.settings().get(path).cloned();
+        let set = |path: &str| self.recordings.front().live.as_ref()?.settings().get(path).cloned();
         let mode = set("scope.acquisition").unwrap_or_else(|| {
             match scope.acquisition.mode {
                 AcquireMode::Sample => "sample",
@@ -264,7 +276,7 @@ impl ScreenState {
         if let (Some(next), Some(now), Some(capture)) = (next, probe, self.selected()) {
             let scale = capture.waveform.vertical.scale * next / now;
             let scale = typed(scale, "V/div");
-            if let Some(live) = &mut self.live {
+            if let Some(live) = &mut self.recordings.front_mut().live {
                 live.set_quietly(format!("{path}.scale"), scale);
             }
             self.set_value(format!("{path}.probe"), typed(*next, ""));
@@ -289,7 +301,7 @@ impl ScreenState {
 
     /// Changes what of the abscissa is on screen; back at the recorded window, nothing is kept.
     pub(super) fn look(&mut self, change: impl Fn(ViewWindow, &Waveform) -> ViewWindow) {
-        if self.page != Page::Scope {
+        if self.page.is_some() {
             self.notice =
                 Some("zoom works on traces and spectra: Esc goes to the traces".to_owned());
             return;

@@ -1,48 +1,94 @@
-//! The live bench: strikes it, and takes what a strike brought.
+//! The live bench: strikes it and computes its bands on threads, and takes the results.
 
-use super::ScreenState;
 use super::live_state::{LiveBench, StrikeResult};
-use super::state::{Request, RunState, StrikeRequest};
+use super::screen_state::ScreenState;
+use super::state::{RunState, ordinate_unit};
+use crate::experiment::auto_effects::resolve_auto_effects;
+use crate::experiment::{Integration, facts, run};
+use crate::predict::{SampleOptions, TraceBand, trace_bands};
+use crate::recording::TraceSet;
+use crate::scene::Scene;
+use crate::scene::adjust::Adjustable;
+use crate::scope::Waveform;
+use crate::trace::Trace;
+use crate::tui::job::{Job, JobState, Queue, with_reasons};
+
+/// Samples of the bench's uncertainty: the ends of 95 % intervals scatter by 7 % of their width.
+const BAND_SAMPLES: usize = 100;
 
 impl ScreenState {
-    /// The bench behind the screen; none behind a recording.
-    pub fn live(&self) -> Option<&LiveBench> {
-        self.live.as_ref()
-    }
-
-    /// Takes out of the last impact what differs from machine to machine, so that pictures can be
-    /// compared.
-    pub fn clear_wall_time(&mut self) {
-        if let Some(summary) = self.live.as_mut().and_then(|live| live.summary.as_mut()) {
-            summary.wall_s = 0.0;
-        }
-    }
-
     /// Opens the bench of scene `base` (a name that ships, or a whole path) and strikes it.
     pub fn open_bench(&mut self, base: String) {
-        self.live = Some(LiveBench::new(base));
+        self.recordings.front_mut().live = Some(LiveBench::new(base));
         self.strike();
     }
 
     /// The bench; sets a notice where there is none.
     pub(super) fn bench(&mut self) -> Option<&mut LiveBench> {
-        if self.live.is_none() {
+        if self.recordings.front().live.is_none() {
             let word =
                 "a recording cannot be turned: `hertzscope view SCENE` opens a bench that can";
             self.notice = Some(word.to_owned());
         }
-        self.live.as_mut()
+        self.recordings.front_mut().live.as_mut()
     }
 
     /// Has the bench struck as it is tuned now.
     pub(super) fn strike(&mut self) {
-        let Some(live) = &mut self.live else { return };
+        let title = self.recordings.front().title.clone();
+        let Some(live) = &mut self.recordings.front_mut().live else { return };
         live.asked += 1;
-        let name = self.title.clone();
-        let strike = StrikeRequest { name, text: live.text(), shot: live.shot, turn: live.asked };
-        self.requests.retain(|request| !matches!(request, Request::Strike(_)));
-        self.requests.push(Request::Strike(strike));
+        let (text, shot, turn) = (live.text(), live.shot, live.asked);
+        self.ask(Job::new(
+            Queue::Bench,
+            move |_| struck(&title, &text, shot).map(Box::new),
+            move |model: &mut Self, result| model.apply_strike_result(turn, result),
+        ));
         self.request_bands();
+    }
+
+    /// Shows or hides where 95 % of the bench's traces lie; they follow the knobs.
+    pub(super) fn switch_bands(&mut self) {
+        if self.jobs.live_bands != JobState::Idle {
+            self.jobs.live_bands = JobState::Idle;
+            self.notice = Some("bands off".to_owned());
+            return;
+        }
+        if self.bench().is_none_or(|live| live.served.is_some()) {
+            return;
+        }
+        self.jobs.live_bands = JobState::Busy(0.0);
+        self.notice = Some("dotted: 95 % of the traces, by the scene's [uncertainty]".to_owned());
+        self.request_bands();
+    }
+
+    /// Has the bands of the bench computed as it is tuned now, if they are on.
+    fn request_bands(&mut self) {
+        let title = self.recordings.front().title.clone();
+        let live = self.recordings.front().live.as_ref();
+        let Some(live) = live.filter(|_| self.jobs.live_bands != JobState::Idle) else { return };
+        let text = live.text();
+        self.ask(Job::new(
+            Queue::Bands,
+            move |_| bands(&title, &text),
+            |model: &mut Self, found| {
+                // They may have been switched off meanwhile.
+                if model.jobs.live_bands == JobState::Idle {
+                    return;
+                }
+                if let Err(problem) = &found {
+                    model.notice = Some(format!("no bands: {problem}"));
+                }
+                model.jobs.live_bands = found.into();
+            },
+        ));
+    }
+
+    /// Lower and upper edge of where 95 % of the traces of `waveform` lie, in volts.
+    pub fn bands(&self, waveform: &Waveform) -> Option<&[Trace; 2]> {
+        let name = waveform.source.to_string();
+        let bands = self.jobs.live_bands.done()?.iter();
+        bands.into_iter().find(|[low, _]| low.name == name && ordinate_unit(waveform) == low.unit)
     }
 
     /// A knob was turned: the bench is struck again where the scope runs.
@@ -57,7 +103,7 @@ impl ScreenState {
         if self.is_served() {
             return self.send_value(path, value);
         }
-        let Some(live) = &mut self.live else { return };
+        let Some(live) = &mut self.recordings.front_mut().live else { return };
         live.settings.insert(path, value);
         if live.acquisition == RunState::Running {
             self.strike();
@@ -67,14 +113,13 @@ impl ScreenState {
         }
     }
 
-    /// The answer to a strike; one that is older than what is on screen is let go.
-    pub fn apply_strike_result(&mut self, turn: u64, answer: Result<Box<StrikeResult>, String>) {
-        let Some(live) = &mut self.live else { return };
-        if turn < live.shown {
-            return;
-        }
+    /// Takes the result of a strike; one that is older than what is on screen is dropped.
+    pub fn apply_strike_result(&mut self, turn: u64, result: Result<Box<StrikeResult>, String>) {
+        let is_front = self.recordings.is_first_in_front();
+        let first = self.recordings.first_mut();
+        let Some(live) = first.live.as_mut().filter(|live| turn >= live.shown) else { return };
         live.shown = turn;
-        let struck = match answer {
+        let struck = match result {
             Ok(struck) => *struck,
             Err(problem) => {
                 if turn == live.asked {
@@ -87,28 +132,32 @@ impl ScreenState {
         if turn == live.asked {
             live.good = live.settings.clone();
         }
-        let triggered = struck.summary.trigger.crossed;
-        if live.acquisition == RunState::Armed && triggered {
+        if live.acquisition == RunState::Armed && struck.summary.trigger.crossed {
             live.acquisition = RunState::Stopped;
         }
         live.summary = Some(struck.summary);
-        let other = self.scene.as_ref().is_none_or(|scene| scene.texts != struck.scene.texts);
-        self.scene = Some(struck.scene);
-        if other {
+        let is_other = first.scene.as_ref().is_none_or(|scene| scene.texts != struck.scene.texts);
+        first.scene = Some(struck.scene);
+        let is_missed = struck.set.shots.iter().all(|shot| shot.captures.is_empty());
+        let keeps_record = is_missed && !first.set.shots.is_empty();
+        if is_other && is_front {
             self.invalidate_studies();
         }
-        let held = struck.set.shots.iter().all(|shot| shot.captures.is_empty());
-        if held && !self.set.shots.is_empty() {
+        if keeps_record {
             self.notice = Some(
                 "no trigger: the screen shows the last record (f forces a trigger)".to_owned(),
             );
             return;
         }
-        self.persist_traces();
-        self.set = struck.set;
-        self.shot = 0;
+        if is_front {
+            self.persist_traces();
+        }
+        let first = self.recordings.first_mut();
+        (first.set, first.shot) = (struck.set, 0);
         self.reload_traces();
-        self.compare_again();
+        if is_front {
+            self.compare_again();
+        }
     }
 
     /// Runs or stops the scope.
@@ -116,7 +165,7 @@ impl ScreenState {
         if self.is_served() {
             return self.run_or_stop_served();
         }
-        let Some(live) = &mut self.live else { return };
+        let Some(live) = &mut self.recordings.front_mut().live else { return };
         live.acquisition = match live.acquisition {
             RunState::Stopped => RunState::Running,
             RunState::Running | RunState::Armed => RunState::Stopped,
@@ -161,4 +210,37 @@ impl ScreenState {
             self.set_value("scope.trigger.mode".to_owned(), "auto".to_owned());
         }
     }
+}
+
+/// Where 95 % of the traces of the bench of this text lie: lower and upper edges.
+fn bands(title: &str, text: &str) -> Result<Vec<[Trace; 2]>, String> {
+    let mut scene =
+        Adjustable::from_text(title, "the bench", text).map_err(|error| with_reasons(&error))?;
+    let options = SampleOptions { samples: BAND_SAMPLES, ..SampleOptions::default() };
+    let bands = trace_bands(&mut scene, options).map_err(|error| with_reasons(&error))?;
+    Ok(bands.into_iter().map(TraceBand::edges).collect())
+}
+
+/// Strikes the bench of this text; it is the shot with this number.
+fn struck(title: &str, text: &str, shot: u32) -> Result<StrikeResult, String> {
+    let told = |error: &dyn std::fmt::Display| {
+        error.to_string().split_whitespace().collect::<Vec<&str>>().join(" ")
+    };
+    let scene = Scene::from_text(title, "the bench", text);
+    let scene = scene.map_err(|error| told(&error))?;
+    let integration = Integration::Accuracy(scene.accuracy);
+    let scene = resolve_auto_effects(&scene, integration).into_owned();
+    let outcome = run(&scene, integration, shot, &mut |_| ()).map_err(|e| told(&e))?;
+    let metadata = facts::facts(&scene, integration).map_err(|error| told(&error))?;
+    let notes = facts::shot_notes(&scene, &outcome);
+    let log = notes.log.iter().map(|(_, line)| line.clone()).collect();
+    let set = TraceSet {
+        metadata,
+        attachments: vec![facts::scene_attachment(&scene)],
+        log,
+        notes: std::iter::once((shot, notes)).collect(),
+        shots: vec![outcome.shot],
+        ..TraceSet::default()
+    };
+    Ok(StrikeResult { scene, set, summary: outcome.summary })
 }

@@ -2,44 +2,36 @@
 //!
 //! The recording is never touched: scales and positions that the user turns are kept beside it, for
 //! each trace, and shown as different from the recorded ones. The model does no input and no
-//! output: what it needs done it leaves as [`Request`]s, and the answers come back as method calls.
+//! output, and nothing that takes long: what it needs done it leaves as [`Request`]s, most of them
+//! closures for a thread whose result is a change of the model.
 
-mod accessors;
-mod action;
 mod autoset;
-pub mod background_jobs;
-mod band;
 pub mod command;
+pub mod comparison;
 mod cursors;
 mod derived;
-pub mod features;
 mod front_panel;
-mod knob_actions;
 pub mod knobs;
-pub mod lists;
 mod live;
 pub mod live_state;
-mod math_mode;
-pub mod recording_behind;
 mod recordings;
 mod replay;
 mod screen_state;
-mod selection;
 pub mod served;
 mod shot_traces;
 pub mod state;
 mod traces;
 mod update;
 
-pub use action::Action;
-
+pub use super::job::JobState;
 pub use cursors::CursorReading;
 pub use live_state::{LiveBench, StrikeResult};
-pub use math_mode::MathMode;
-pub use screen_state::ScreenState;
+pub use recordings::{OpenRecording, Recordings};
+pub use screen_state::{Action, DerivedPart, NoteOption, Page, PageSpec, Request, ScreenState};
+pub use shot_traces::MathMode;
 pub use state::{
-    BackgroundJobs, BenchOption, CursorKind, Cursors, Derived, JobState, MeasurementReading,
-    Overlay, Page, Palette, PersistedTraces, Playback, Popup, PrintedTables, Request, RunState,
-    SidePanel, StrikeRequest, Visibility, ordinate_unit,
+    BackgroundJobs, BenchOption, CursorKind, Cursors, Derived, FilmScales, MeasurementReading,
+    Overlay, Palette, PersistedTraces, Playback, Popup, RunState, SidePanel, Visibility,
+    ordinate_unit,
 };
 pub use update::update;

@@ -2,25 +2,22 @@
 
 use std::collections::BTreeMap;
 
-use super::ScreenState;
-use super::state::{Page, PartialRecording, PersistedTraces, Request, SidePanel};
+use super::screen_state::{Request, ScreenState};
+use super::state::{PartialRecording, PersistedTraces, SidePanel};
 use crate::recording::mcap::ShotNotes;
-use crate::recording::{ScpiLine, Shot, TraceSet, TrueSignal};
-use crate::trace::Trace;
+use crate::recording::{ScpiLine, Shot, TraceSet};
 use crate::tui::axis::{TurnDirection, ViewWindow};
 
 /// So many shots stay on screen behind the present one.
 const PERSISTED_SHOTS_LIMIT: usize = 16;
 /// Slowest and fastest play (1).
 const PLAYBACK_SPEEDS: (f64, f64) = (1.0 / 64.0, 64.0);
-/// The bench's film runs so much slower than the bench, at speed 1 (1).
-const PLAYBACK_TIME_SCALE: f64 = 1e-3;
 
 impl ScreenState {
     /// A recording that is read as it is looked at; shots and facts come as answers. `follow` shows
     /// each new shot.
     pub fn open_partial_recording(&mut self, follow: bool) {
-        self.on_tape = Some(PartialRecording {
+        self.recordings.front_mut().partial = Some(PartialRecording {
             count: 0,
             open: true,
             here: None,
@@ -32,82 +29,93 @@ impl ScreenState {
 
     /// After the user has chosen a shot: a step back ends following, the last shot begins it again.
     pub(super) fn follow_from_here(&mut self) {
-        let last = self.shot + 1 >= self.shots();
-        if let Some(tape) = self.on_tape.as_mut().filter(|tape| tape.follow) {
-            if tape.follows && !last {
+        let last = self.recordings.front().shot + 1 >= self.shots();
+        let partial = self.recordings.front_mut().partial.as_mut();
+        if let Some(partial) = partial.filter(|partial| partial.follow) {
+            if partial.follows && !last {
                 self.notice =
                     Some("no longer following: End shows the newest shots again".to_owned());
             }
-            tape.follows = last;
+            partial.follows = last;
         }
     }
 
-    /// Takes the index of the recording so far: number of shots, whether it may grow, and its
-    /// facts.
+    /// Takes the index of the recording that was opened first: number of shots so far, whether it
+    /// may grow, and its facts.
     pub fn apply_index(&mut self, count: usize, open: bool, facts: TraceSet) {
-        let Some(tape) = &mut self.on_tape else { return };
-        let grown = count > tape.count;
-        (tape.count, tape.open) = (count, open);
-        let first = tape.here.is_none() && count > 0;
-        let (follow, is_noted) = (tape.follows, tape.is_noted);
-        let shots = std::mem::take(&mut self.set.shots);
-        let notes = std::mem::take(&mut self.set.notes);
-        let lines = std::mem::take(&mut self.set.lines);
+        let first = self.recordings.first_mut();
+        let Some(partial) = &mut first.partial else { return };
+        let grown = count > partial.count;
+        (partial.count, partial.open) = (count, open);
+        let wanted = match partial.here {
+            _ if partial.follows && grown => Some(count - 1),
+            None if count > 0 => Some(0),
+            _ => None,
+        };
         let facts_changed =
-            self.set.attachments != facts.attachments || self.set.metadata != facts.metadata;
-        let known = std::mem::take(&mut self.set);
-        self.set = TraceSet { shots, lines, notes, ..facts };
-        if is_noted {
-            (self.set.metadata, self.set.attachments) = (known.metadata, known.attachments);
+            first.set.attachments != facts.attachments || first.set.metadata != facts.metadata;
+        let known = std::mem::take(&mut first.set);
+        first.set =
+            TraceSet { shots: known.shots, lines: known.lines, notes: known.notes, ..facts };
+        if partial.is_noted {
+            first.set.metadata = known.metadata;
+            first.set.attachments = known.attachments;
         }
         if facts_changed {
-            self.read_scene();
+            first.read_scene();
             self.reload_traces();
         }
-        if follow && grown {
-            self.go_to(count - 1);
-        } else if first {
-            self.go_to(0);
+        if let Some(place) = wanted {
+            self.load(place);
         }
     }
 
-    /// The recording with what commands said of its bench.
+    /// Takes the recording in front with what commands said of its bench.
     pub fn apply_bench_facts(&mut self, set: TraceSet) {
-        self.set = set;
-        if let Some(tape) = &mut self.on_tape {
-            tape.is_noted = true;
+        let front = self.recordings.front_mut();
+        front.set.metadata = set.metadata;
+        front.set.attachments = set.attachments;
+        if let Some(partial) = &mut front.partial {
+            partial.is_noted = true;
         }
+        front.read_scene();
         self.notice = Some("noted; :write FILE.mcap keeps it".to_owned());
-        self.read_scene();
         self.reload_traces();
-        if self.page == Page::Compare {
-            self.compare_again();
-        }
+        self.shot_changed();
     }
 
-    /// What is kept of the shot on screen beside captures and truth, and the messages of the remote
+    /// Takes what is kept of the shot beside captures and truth, and the messages of the remote
     /// interface around it.
     pub fn note_shot(&mut self, shot: &Shot, notes: ShotNotes, lines: Vec<ScpiLine>) {
-        self.set.notes = BTreeMap::from([(shot.number, notes)]);
-        self.set.lines = lines;
+        let set = &mut self.recordings.first_mut().set;
+        set.notes = BTreeMap::from([(shot.number, notes)]);
+        set.lines = lines;
     }
 
-    /// The shot that was asked for.
+    /// Takes a shot of the recording that was opened first; one that is no longer wanted is
+    /// dropped.
     pub fn apply_shot(&mut self, place: usize, shot: Shot) {
-        if place != self.shot {
+        let is_front = self.recordings.is_first_in_front();
+        let first = self.recordings.first_mut();
+        if place != first.shot {
+            return;
+        }
+        // The rest of a shot that was still being written.
+        let again = first.partial.is_some_and(|partial| partial.here == Some(place));
+        if let Some(partial) = &mut first.partial {
+            partial.here = Some(place);
+        }
+        if !is_front {
+            first.set.shots = vec![shot];
+            self.reload_traces();
             return;
         }
         let before = self.recorded_window();
-        // The rest of a shot that was still being written.
-        let again = self.on_tape.is_some_and(|tape| tape.here == Some(place));
         let (time, row) = (self.play.bench_time, self.row);
         if !again {
             self.persist_traces();
         }
-        if let Some(tape) = &mut self.on_tape {
-            tape.here = Some(place);
-        }
-        self.set.shots = vec![shot];
+        self.recordings.first_mut().set.shots = vec![shot];
         self.after_shot_change(before);
         if again {
             (self.play.bench_time, self.row) = (time, row);
@@ -116,22 +124,24 @@ impl ScreenState {
 
     /// How many shots there are.
     pub fn shots(&self) -> usize {
-        self.on_tape.map_or(self.set.shots.len(), |tape| tape.count)
+        self.recordings.front().shots()
     }
 
     /// Whether the file is still being read or may grow.
     pub fn is_growing(&self) -> bool {
-        self.on_tape.is_some_and(|tape| tape.open)
+        self.recordings.front().partial.is_some_and(|partial| partial.open)
     }
 
     /// The shot's place in the recording, from 0.
     pub fn shot_index(&self) -> usize {
-        self.shot
+        self.recordings.front().shot
     }
 
-    /// The shot in memory that is on screen.
-    pub(super) fn set_shot(&self) -> Option<&Shot> {
-        self.set.shots.get(if self.on_tape.is_some() { 0 } else { self.shot })
+    /// Has a shot of the recording that was opened first read from its file.
+    fn load(&mut self, place: usize) {
+        self.recordings.first_mut().shot = place;
+        self.requests.retain(|request| !matches!(request, Request::Load(_)));
+        self.requests.push(Request::Load(place));
     }
 
     /// Shows the shot at `place`, counted from 0.
@@ -140,23 +150,22 @@ impl ScreenState {
             self.notice = Some(format!("there are {} shots", self.shots()));
             return;
         }
-        if self.on_tape.is_some() {
-            self.shot = place;
-            self.requests.retain(|request| !matches!(request, Request::Load(_)));
-            self.requests.push(Request::Load(place));
-            return;
+        if self.recordings.front().partial.is_some() {
+            return self.load(place);
         }
         let before = self.recorded_window();
         self.persist_traces();
-        self.shot = place;
+        self.recordings.front_mut().shot = place;
         self.after_shot_change(before);
     }
 
     /// Shows another shot, the same part of it where it was recorded alike.
     pub(super) fn change_shot(&mut self, turn: TurnDirection) {
         let next = match turn {
-            TurnDirection::Down => self.shot.checked_sub(1),
-            TurnDirection::Up => Some(self.shot + 1).filter(|next| *next < self.shots()),
+            TurnDirection::Down => self.recordings.front().shot.checked_sub(1),
+            TurnDirection::Up => {
+                Some(self.recordings.front().shot + 1).filter(|next| *next < self.shots())
+            }
         };
         if let Some(next) = next {
             self.go_to(next);
@@ -170,7 +179,6 @@ impl ScreenState {
     pub(super) fn after_shot_change(&mut self, before: Option<ViewWindow>) {
         self.play.bench_time = 0.0;
         self.reload_traces();
-        self.select_first_row();
         let alike = match (before, self.recorded_window()) {
             (Some(before), Some(now)) => before.same_as(&now),
             _ => false,
@@ -178,14 +186,12 @@ impl ScreenState {
         if !alike {
             self.window = None;
         }
-        if self.page == Page::Compare {
-            self.compare_again();
-        }
+        self.shot_changed();
     }
 
     /// Keeps the present traces for display behind the next ones, if persistence is on.
     pub(super) fn persist_traces(&mut self) {
-        let traces = self.set_shot().map(|_| self.traces.clone());
+        let traces = self.shot().map(|_| self.traces.clone());
         if let (Some(persisted), Some(traces)) = (&mut self.persisted_traces, traces) {
             persisted.push_back(traces);
             if persisted.len() > PERSISTED_SHOTS_LIMIT {
@@ -217,8 +223,8 @@ impl ScreenState {
     pub(super) fn play_or_stop(&mut self) {
         self.play.running = !self.play.running;
         self.play.waited = 0.0;
-        let last = self.shot + 1 >= self.shots();
-        if self.play.running && last && self.page != Page::Bench && self.shots() > 1 {
+        let last = self.recordings.front().shot + 1 >= self.shots();
+        if self.play.running && last && self.shots() > 1 {
             self.go_to(0);
         }
     }
@@ -235,10 +241,6 @@ impl ScreenState {
         if !self.play.running {
             return;
         }
-        if self.page == Page::Bench {
-            self.seek(seconds * self.play.speed * PLAYBACK_TIME_SCALE);
-            return;
-        }
         self.play.waited += seconds * self.play.speed;
         if self.play.waited >= 1.0 {
             self.play.waited = 0.0;
@@ -246,38 +248,38 @@ impl ScreenState {
         }
     }
 
-    /// Moves the bench's film by `seconds` of its own time (s); beyond its end it starts again.
-    pub(super) fn seek(&mut self, seconds: f64) {
-        let Some((start, end)) = self.film_span() else { return };
-        let time = self.play.bench_time + seconds;
-        self.play.bench_time = if time > end {
-            start
-        } else if time < start {
-            end
-        } else {
-            time
-        };
-    }
-
-    /// First and last time of the film on the bench's own clock; none where the shot has none (s).
-    pub fn film_span(&self) -> Option<(f64, f64)> {
-        let is_contact =
-            |trace: &&Trace| matches!(TrueSignal::of(trace), Some(TrueSignal::Contact(_)));
-        let film = self.shot()?.truth.iter().find(is_contact)?;
-        Some((film.start, film.time(film.values.len().checked_sub(1)?)))
-    }
-
-    /// Opens or closes a page.
-    pub(super) fn open_page(&mut self, page: Page) {
-        self.page = if self.page == page { Page::Scope } else { page };
-        self.play.running = false;
-        self.select_first_row();
-        self.derive();
-    }
-
     /// Opens or closes what stands beside the page.
     pub(super) fn open_side(&mut self, side: SidePanel) {
         self.side = if self.side == side { SidePanel::Nothing } else { side };
         self.derive();
+    }
+
+    /// Shows a recording behind the one that is in front, on the same axes.
+    pub fn add_behind(&mut self, title: String, set: TraceSet) {
+        self.recordings.add(title, set);
+        self.recordings.rebuild_behind(self.newtons);
+    }
+
+    /// The next recording comes to the front; each keeps its shot.
+    pub(super) fn next_recording(&mut self) {
+        let before = self.recorded_window();
+        let text =
+            |model: &Self| model.recordings.front().scene.as_ref().map(|scene| scene.texts.clone());
+        let scene = text(self);
+        if !self.recordings.next() {
+            self.notice =
+                Some("one recording is open: `hertzscope view A B` shows two or more".to_owned());
+            return;
+        }
+        if text(self) != scene {
+            self.invalidate_studies();
+        }
+        if self.recordings.front().live.is_none() && self.side == SidePanel::Knobs {
+            self.side = SidePanel::Nothing;
+        }
+        self.persisted_traces = self.persisted_traces.as_ref().map(|_| PersistedTraces::new());
+        self.after_shot_change(before);
+        self.notice =
+            Some(format!("in front: {}; dotted: the others", self.recordings.front().title));
     }
 }

@@ -1,8 +1,8 @@
 //! A scope that is served somewhere else: what it tells, and what is turned on it from here.
 
-use super::ScreenState;
 use super::live_state::{LiveBench, ServedScope, TunedSettings};
-use super::state::{Request, RunState};
+use super::screen_state::{Request, ScreenState};
+use super::state::RunState;
 use crate::quantity::parse_any;
 use crate::recording::TraceSet;
 use crate::scene::Scene;
@@ -25,55 +25,79 @@ pub struct ServedUpdate {
     pub set: Option<TraceSet>,
 }
 
+/// State of a served scope while its line is down.
+const LOST: &str = "LOST";
+
 impl ScreenState {
     /// Shows a scope that is served somewhere else; what it tells comes as [`ServedUpdate`].
     pub fn open_served(&mut self) {
         let mut live = LiveBench::new(String::new());
         live.served = Some(ServedScope::default());
-        self.live = Some(live);
+        self.recordings.front_mut().live = Some(live);
     }
 
-    /// Takes what the served scope told.
-    pub fn apply_served_update(&mut self, heard: ServedUpdate) {
-        let Some(live) = &mut self.live else { return };
-        live.acquisition = heard.acquisition;
-        live.settings.clone_from(&heard.settings);
-        live.good = heard.settings;
-        live.base = heard.base;
-        live.served = Some(heard.served);
+    /// Takes an update of the served scope.
+    pub fn apply_served_update(&mut self, update: ServedUpdate) {
+        let is_front = self.recordings.is_first_in_front();
+        let first = self.recordings.first_mut();
+        let Some(live) = &mut first.live else { return };
+        live.acquisition = update.acquisition;
+        live.settings.clone_from(&update.settings);
+        live.good = update.settings;
+        live.base = update.base;
+        live.served = Some(update.served);
         let bench = |scene: &Scene| (scene.spec.clone(), scene.name.clone());
-        let other = self.scene.as_ref().map(bench) != heard.scene.as_ref().map(bench);
-        self.scene = heard.scene;
-        if other {
+        let is_other = first.scene.as_ref().map(bench) != update.scene.as_ref().map(bench);
+        first.scene = update.scene;
+        if is_other && is_front {
             self.invalidate_studies();
         }
-        if let Some(set) = heard.set {
-            let before = self.recorded_window();
-            self.persist_traces();
-            self.set = set;
-            self.shot = 0;
-            self.after_shot_change(before);
+        if let Some(set) = update.set {
+            self.take_set(set);
         }
     }
 
-    /// The connection to the served scope is gone; what is on screen stays.
+    /// Shows the only shot of `set` in place of that of the bench or scope that was opened first.
+    pub(super) fn take_set(&mut self, set: TraceSet) {
+        let before = self.recorded_window();
+        let is_front = self.recordings.is_first_in_front();
+        if is_front {
+            self.persist_traces();
+        }
+        let first = self.recordings.first_mut();
+        (first.set, first.shot) = (set, 0);
+        if is_front {
+            self.after_shot_change(before);
+        } else {
+            self.reload_traces();
+        }
+    }
+
+    /// The connection to the served scope is lost; what is on screen stays.
     pub fn connection_lost(&mut self, why: String) {
-        if let Some(served) = self.live.as_mut().and_then(|live| live.served.as_mut()) {
-            *served = ServedScope { state: "LOST".to_owned(), ..ServedScope::default() };
+        let live = self.recordings.first_mut().live.as_mut();
+        if let Some(served) = live.and_then(|live| live.served.as_mut()) {
+            *served = ServedScope { state: LOST.to_owned(), ..ServedScope::default() };
         }
         self.notice = Some(why);
     }
 
+    /// Whether the line to the served scope is down.
+    fn is_lost(&self) -> bool {
+        let served = self.recordings.front().live.as_ref().and_then(|live| live.served.as_ref());
+        served.is_some_and(|served| served.state == LOST)
+    }
+
     /// Whether the bench is another process's.
     pub(super) fn is_served(&self) -> bool {
-        self.live.as_ref().is_some_and(|live| live.served.is_some())
+        self.recordings.front().live.as_ref().is_some_and(|live| live.served.is_some())
     }
 
     /// The front panel: the served scope's, or the scene's.
     pub fn scope(&self) -> Option<&Setup> {
-        match self.live.as_ref().and_then(|live| live.served.as_ref()) {
+        match self.recordings.front().live.as_ref().and_then(|live| live.served.as_ref()) {
             Some(served) => served.scope.as_deref(),
-            None => self.scene.as_ref().map(|scene| &scene.scope),
+            None => self.recordings.front().scene.as_ref().map(|scene| &scene.scope),
         }
     }
 
@@ -93,23 +117,30 @@ impl ScreenState {
         };
         self.send(&command);
         self.notice = Some(format!("sent {command}: the next record shows it"));
-        if let Some(live) = &mut self.live {
+        if let Some(live) = &mut self.recordings.front_mut().live {
             live.settings.insert(path, value);
         }
     }
 
     /// Runs or stops the served scope.
     pub(super) fn run_or_stop_served(&mut self) {
-        let stopped = self.live.as_ref().is_some_and(|l| l.acquisition == RunState::Stopped);
+        let stopped = self
+            .recordings
+            .front()
+            .live
+            .as_ref()
+            .is_some_and(|l| l.acquisition == RunState::Stopped);
         self.send(if stopped { ":ACQ:STOPA RUNST;STATE RUN" } else { ":ACQ:STATE STOP" });
     }
 
     /// Strikes the chain behind the served scope.
     pub(super) fn strike_served(&mut self) {
         let bench = |live: &LiveBench| live.served.as_ref().is_some_and(|served| served.bench);
-        if self.live.as_ref().is_some_and(bench) {
+        if self.recordings.front().live.as_ref().is_some_and(bench) {
             self.send(":BENC:IMP");
             self.notice = Some("sent BENCh:IMPact: the chain is struck".to_owned());
+        } else if self.is_lost() {
+            self.notice = Some("the scope is not connected: trying again".to_owned());
         } else {
             self.notice =
                 Some("no bench behind this scope that could be struck from here".to_owned());

@@ -1,7 +1,6 @@
-//! The small parts of the model's state, each with what can be asked of it.
+//! Parts of the model's state.
 
 use std::collections::VecDeque;
-use std::path::PathBuf;
 
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::spectrum::Spectrum;
@@ -15,6 +14,7 @@ use crate::studies::cost::CostStudy;
 use crate::studies::effects::Ledger;
 use crate::studies::hard_cases::CaseResult;
 use crate::trace::Trace;
+use crate::tui::job::JobState;
 
 /// A popup over the scope's screen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,31 +29,6 @@ pub enum Popup {
     Log,
     /// The command line.
     Prompt,
-}
-
-/// A page in place of the graticule.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Page {
-    /// The traces over time.
-    Scope,
-    /// The spectrum of the selected trace.
-    Spectrum,
-    /// Its spectrum over time.
-    Map,
-    /// The selected trace against the first one.
-    Xy,
-    /// The chain in motion.
-    Bench,
-    /// The measurement against the simulation.
-    Compare,
-    /// Work against precision.
-    Accuracy,
-    /// What each effect changes.
-    Effects,
-    /// Cases that are hard to integrate.
-    HardCases,
-    /// Messages of the remote interface around the shot.
-    Remote,
 }
 
 /// A panel beside the page.
@@ -186,87 +161,8 @@ pub enum BenchOption {
     Distance,
 }
 
-/// How the commands of the same names print results; the screen shows their tables.
-#[derive(Debug, Clone, Copy)]
-pub struct PrintedTables {
-    /// As `effects` does.
-    pub effects: fn(&Ledger) -> String,
-    /// As `hard-cases` does.
-    pub hard_cases: fn(&[CaseResult]) -> String,
-}
-
-/// A request of the model to the workers; it does no input and no output itself.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Request {
-    /// Read the shot at this place of the recording.
-    Load(usize),
-    /// Strike the bench of this text.
-    Strike(StrikeRequest),
-    /// Compute the 95 % bands of its traces.
-    LiveBands(StrikeRequest),
-    /// Hold the shot on screen against this recording, folder or scene; none repeats the last one.
-    Compare(Option<String>),
-    /// Note what is said of the bench.
-    Note(BenchOption, String),
-    /// Make the work-precision study.
-    Study,
-    /// Make the ledger of effects.
-    Ledger,
-    /// Run the hard cases.
-    HardCases,
-    /// Write what the file's ending says.
-    Save(PathBuf),
-    /// Send this command to the served scope.
-    Send(String),
-}
-
-/// One impact to simulate.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct StrikeRequest {
-    /// Name of the scene.
-    pub name: String,
-    /// The scene.
-    pub text: String,
-    /// Number of the shot.
-    pub shot: u32,
-    /// Counts upward; an answer to an older one than is on screen is stale.
-    pub turn: u64,
-}
-
-/// How far a job on the worker's thread is.
-#[derive(Debug, Clone, PartialEq)]
-pub enum JobState<T> {
-    /// Not asked for.
-    Idle,
-    /// At work, with the share that is done (1).
-    Busy(f64),
-    /// Here it is.
-    Done(T),
-    /// It could not be done.
-    Failed(String),
-}
-
-impl<T> JobState<T> {
-    /// Begins the job unless it is at work or done; whether it has to be asked for.
-    pub(super) fn begin(&mut self) -> bool {
-        let begins = matches!(self, Self::Idle | Self::Failed(_));
-        if begins {
-            *self = Self::Busy(0.0);
-        }
-        begins
-    }
-
-    /// The result, if it is there.
-    pub fn done(&self) -> Option<&T> {
-        match self {
-            Self::Done(result) => Some(result),
-            _ => None,
-        }
-    }
-}
-
-/// The questions and how far their answers are.
-#[derive(Debug, Clone, PartialEq)]
+/// The background jobs and their results.
+#[derive(Debug, Default)]
 pub struct BackgroundJobs {
     /// The shot on screen against a simulation.
     pub comparison: JobState<Box<Compared>>,
@@ -281,19 +177,6 @@ pub struct BackgroundJobs {
     /// Lower and upper edge of where 95 % of each channel's traces lie, by what the scene does not
     /// know.
     pub live_bands: JobState<Vec<[Trace; 2]>>,
-}
-
-impl Default for BackgroundJobs {
-    fn default() -> Self {
-        Self {
-            comparison: JobState::Idle,
-            bands: Vec::new(),
-            study: JobState::Idle,
-            ledger: JobState::Idle,
-            hard_cases: JobState::Idle,
-            live_bands: JobState::Idle,
-        }
-    }
 }
 
 /// A measured number, none where the signal has no such thing.
@@ -312,11 +195,18 @@ pub struct MeasurementReading {
 pub(super) struct DerivedKey {
     pub(super) version: u64,
     pub(super) source: Option<Source>,
-    pub(super) page: Page,
+    pub(super) page: Option<&'static str>,
     pub(super) side: SidePanel,
 }
 
-/// Everything that is worked out.
+impl DerivedKey {
+    /// Whether the same is shown of the same trace, of another shot.
+    pub(super) fn is_alike(&self, other: &Self) -> bool {
+        Self { version: other.version, ..*self } == *other
+    }
+}
+
+/// Computed data of the screen.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Derived {
     pub(super) made_of: Option<DerivedKey>,
@@ -330,6 +220,19 @@ pub struct Derived {
     pub readings: Vec<MeasurementReading>,
     /// Arrivals and speeds of the shot.
     pub survey: Option<Survey>,
+    /// Scales of the chain in motion.
+    pub film: Option<FilmScales>,
+    /// Whether it is being computed.
+    pub is_pending: bool,
+}
+
+/// Scales of the chain in motion, for all times.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FilmScales {
+    /// Top of the forces' scale, above the static force (N).
+    pub strongest: f64,
+    /// Largest displacement of a bead (m).
+    pub farthest: f64,
 }
 
 /// A recording of which one shot is in memory.

@@ -1,29 +1,32 @@
 //! Actions, and what each does to the model.
 
-use super::action::Action;
+use tui_input::InputRequest;
+
 use super::command::COMMANDS;
-use super::selection::{next_math, next_trace, press, reset, truth, unit};
-use super::state::{Page, SidePanel};
-use super::{Popup, ScreenState};
+use super::screen_state::{Action, ScreenState};
+use super::state::{Popup, SidePanel};
+use super::traces::{next_math, next_trace, press, reset, truth, unit};
 use crate::scope::Source;
 use crate::tui::axis::TurnDirection;
-use crate::tui::keys::{GROUPS, bindings};
-
-/// Rows that the keys of a page pass.
-const PAGE_ROWS: usize = 10;
+use crate::tui::keys::groups;
 
 /// Does what `action` asks.
 pub fn update(model: &mut ScreenState, action: Action) {
     if !matches!(action, Action::Tick(_)) {
         model.notice = None;
     }
+    if let Some(page) = model.page
+        && model.panel == Popup::Scope
+        && (page.0.act)(model, action)
+    {
+        return model.derive();
+    }
     match action {
         Action::Quit => model.running = false,
         Action::Back => back(model),
         Action::Toggle(panel) => toggle(model, panel),
         Action::Scroll(turn) => scroll(model, turn),
-        Action::VoltsPerDivision(turn) if model.is_list() => model.move_row(turn.other(), 1),
-        Action::TriggerLevel(turn) if model.is_list() => model.move_row(turn, PAGE_ROWS),
+        Action::Row(turn, rows) => move_row(model, turn, rows),
         Action::Channel(number) => press(model, Source::Channel(number)),
         Action::Trace(source) => press(model, source),
         Action::NextTrace(turn) => next_trace(model, turn),
@@ -46,16 +49,12 @@ pub fn update(model: &mut ScreenState, action: Action) {
         Action::SnapToArrival => model.snap_to_arrival(),
         Action::Press { x, y } => model.press_at(x, y),
         Action::Drag { x, y } => model.drag_to(x, y),
-        Action::Page(page @ (Page::Accuracy | Page::Effects | Page::HardCases)) => {
-            model.open_study(page);
-        }
         Action::Page(page) => model.open_page(page),
         Action::Side(SidePanel::Knobs) if model.bench().is_none() => {}
         Action::Side(side) => model.open_side(side),
-        Action::Compare => model.next_overlay(),
         Action::NextRecording => model.next_recording(),
         Action::Shot(turn) => {
-            step(model, turn);
+            model.change_shot(turn);
             model.follow_from_here();
         }
         Action::Ends(turn) => {
@@ -63,7 +62,7 @@ pub fn update(model: &mut ScreenState, action: Action) {
             model.go_to(if turn == TurnDirection::Up { last } else { 0 });
             model.follow_from_here();
         }
-        Action::RunStop if model.live.is_some() && model.page != Page::Bench => model.run_stop(),
+        Action::RunStop if model.recordings.front().live.is_some() => model.run_stop(),
         Action::RunStop => model.play_or_stop(),
         Action::Speed(turn) => model.change_speed(turn),
         Action::Tick(seconds) => model.tick(seconds),
@@ -81,10 +80,11 @@ pub fn update(model: &mut ScreenState, action: Action) {
         Action::Acquisition => model.next_acquisition(),
         Action::NextKnob(turn) => model.next_knob(turn),
         Action::TurnKnob(turn) => model.turn_knob(turn),
-        Action::Switch => model.switch_effect(),
+        Action::Switch => model.switch_effect_of_knob(),
         Action::TypeKnob => model.type_knob(),
         Action::Prompt(start) => model.open_prompt(start),
         typed @ (Action::Type(_)
+        | Action::Edit(_)
         | Action::Erase
         | Action::Submit
         | Action::Complete
@@ -97,14 +97,19 @@ pub fn update(model: &mut ScreenState, action: Action) {
 /// What is typed on the command line, or where a search is typed.
 fn type_on_the_prompt(model: &mut ScreenState, action: Action) {
     match action {
-        Action::Type(letter) => model.prompt.push(letter),
+        Action::Type(letter) => {
+            model.prompt.handle(InputRequest::InsertChar(letter));
+        }
+        Action::Edit(request) => {
+            model.prompt.handle(request);
+        }
         Action::Erase => erase(model),
         Action::Submit if model.panel == Popup::Search => model.panel = Popup::Help,
         Action::Submit => model.submit(),
         Action::Complete => model.complete_prompt(),
         Action::Recall(turn) => model.recall(turn),
         Action::Search => {
-            model.prompt.clear();
+            model.prompt.reset();
             model.scroll = 0;
             model.panel = Popup::Search;
         }
@@ -114,7 +119,9 @@ fn type_on_the_prompt(model: &mut ScreenState, action: Action) {
 
 /// Takes the last letter back; before the first one the command line closes.
 fn erase(model: &mut ScreenState) {
-    if model.prompt.pop().is_none() {
+    if model.prompt.handle(InputRequest::DeletePrevChar).is_none()
+        && model.prompt.value().is_empty()
+    {
         model.panel = if model.panel == Popup::Search { Popup::Help } else { Popup::Scope };
     }
 }
@@ -123,12 +130,12 @@ fn erase(model: &mut ScreenState) {
 fn back(model: &mut ScreenState) {
     if model.panel == Popup::Search {
         model.panel = Popup::Help;
-        model.prompt.clear();
+        model.prompt.reset();
     } else if model.panel != Popup::Scope {
         model.panel = Popup::Scope;
-        model.prompt.clear();
-    } else if model.page != Page::Scope {
-        model.page = Page::Scope;
+        model.prompt.reset();
+    } else if model.page.is_some() {
+        model.page = None;
         model.play.running = false;
     } else if model.side != SidePanel::Nothing {
         model.side = SidePanel::Nothing;
@@ -137,29 +144,35 @@ fn back(model: &mut ScreenState) {
     }
 }
 
-/// The next shot; on the page of the moving bench its next frame.
-fn step(model: &mut ScreenState, turn: TurnDirection) {
-    const FRAMES: f64 = 200.0;
-    match model.film_span() {
-        Some((start, end)) if model.page == Page::Bench => {
-            model.seek(turn.sign() * (end - start) / FRAMES);
-        }
-        _ => model.change_shot(turn),
-    }
+/// Selects another row of a page that is a list: up is towards the first one.
+fn move_row(model: &mut ScreenState, turn: TurnDirection, by: usize) {
+    let Some(rows) = model.page.and_then(|page| page.0.rows) else { return };
+    let last = rows(model).saturating_sub(1);
+    model.row = match turn {
+        TurnDirection::Up => model.row.saturating_sub(by),
+        TurnDirection::Down => (model.row + by).min(last),
+    };
 }
 
 fn toggle(model: &mut ScreenState, panel: Popup) {
     model.scroll = 0;
-    model.prompt.clear();
+    model.prompt.reset();
     model.panel = if model.panel == panel { Popup::Scope } else { panel };
 }
 
 /// Moves a panel's text by a line; there is always a line left to see.
 fn scroll(model: &mut ScreenState, turn: TurnDirection) {
     let last = match model.panel {
-        Popup::Scope | Popup::Prompt => return model.move_row(turn, 1),
-        Popup::Help | Popup::Search => bindings().count() + 2 * GROUPS.len() + COMMANDS.len(),
-        Popup::Log => model.set.problems.len() + model.set.log.len(),
+        Popup::Scope | Popup::Prompt => return move_row(model, turn, 1),
+        Popup::Help | Popup::Search => {
+            let groups = groups();
+            let rows: usize = groups.iter().map(|(_, rows)| rows.len() + 2).sum();
+            rows + COMMANDS.len()
+        }
+        Popup::Log => {
+            let set = &model.recordings.front().set;
+            set.problems.len() + set.log.len()
+        }
     };
     model.scroll = match turn {
         TurnDirection::Up => model.scroll.saturating_sub(1),

@@ -5,18 +5,16 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::{Position, Rect};
 use ratatui::style::{Color, Modifier, Style};
 
-use super::divisions::{dot_of_division, whole};
-use super::graticule::shown;
-use super::layout::ScreenLayout;
+use super::colours::{colour, colour_of};
+use super::graticule::{abscissa_ticks, ordinate_ticks, shown};
+use super::layout::{ScreenLayout, dot_of_division, whole};
 use super::readout::{compact, digits_for, ordinate_unit};
-use super::ticks::{abscissa_ticks, ordinate_ticks};
-use super::{colour, colour_of};
 use crate::scope::Source;
 use crate::tui::axis::{ViewWindow, is_spectrum};
 use crate::tui::model::ScreenState;
 
 /// Draws markers and labels.
-pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
+pub(in crate::tui) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let buffer = frame.buffer_mut();
     ground_markers(model, layout, buffer);
     ordinate_labels(model, layout, buffer);
@@ -120,7 +118,10 @@ fn trigger_marker(
 
 /// The trigger's level at the right edge, where the scene tells it.
 fn level_marker(model: &ScreenState, layout: &ScreenLayout, buffer: &mut Buffer) {
-    let Some(trigger) = model.scene().map(|scene| scene.scope.trigger) else { return };
+    let Some(trigger) = model.recordings.front().scene.as_ref().map(|scene| scene.scope.trigger)
+    else {
+        return;
+    };
     let source = trigger.source.channel().map(Source::Channel);
     let watched = shown(model).into_iter().find(|waveform| Some(waveform.source) == source);
     let Some(waveform) = watched.filter(|waveform| ordinate_unit(waveform) == "V") else { return };
@@ -175,7 +176,7 @@ fn abscissa_labels(
 }
 
 /// Writes `text` into row `y` of `area`, no further than the area and the screen reach.
-pub(super) fn put(buffer: &mut Buffer, area: Rect, y: u16, text: &str, style: Style) {
+pub(in crate::tui) fn put(buffer: &mut Buffer, area: Rect, y: u16, text: &str, style: Style) {
     let area = area.intersection(buffer.area);
     if area.contains(Position::new(area.x, y)) {
         buffer.set_stringn(area.x, y, text, area.width.into(), style);

@@ -6,7 +6,7 @@ use crate::scope::Source;
 use crate::tui::model::Palette;
 
 /// The colour of a trace, as on the instrument's screen.
-pub(super) fn colour_of(palette: Palette, source: Source) -> Color {
+pub(in crate::tui) fn colour_of(palette: Palette, source: Source) -> Color {
     let wanted = match source {
         Source::Channel(1) => Color::Yellow,
         Source::Channel(2) => Color::Cyan,
@@ -19,7 +19,7 @@ pub(super) fn colour_of(palette: Palette, source: Source) -> Color {
 }
 
 /// `wanted`, or the terminal's own where there are to be no colours.
-pub(super) fn colour(palette: Palette, wanted: Color) -> Color {
+pub(in crate::tui) fn colour(palette: Palette, wanted: Color) -> Color {
     match palette {
         Palette::Colour => wanted,
         Palette::Plain => Color::Reset,

@@ -5,19 +5,19 @@ use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::canvas::{Painter, Shape};
 
-use super::divisions::dot_of_division;
+use super::colours::{colour, colour_of};
 use super::layout::ScreenLayout;
+use super::layout::dot_of_division;
 use super::readout::{compact, spaced, width};
-use super::{colour, colour_of};
 use crate::tui::axis::DIVISIONS_ACROSS;
-use crate::tui::model::{CursorKind, Page, ScreenState};
+use crate::tui::model::{CursorKind, ScreenState};
 
 /// Digits of a cursor's reading.
 const CURSOR_DIGITS: usize = 4;
 
 /// One cursor as a line of dots; the active one is denser.
 #[derive(Debug)]
-pub(super) struct Pointer {
+pub(in crate::tui) struct Pointer {
     at: usize,
     upright: bool,
     length: u16,
@@ -35,7 +35,7 @@ impl Shape for Pointer {
 }
 
 /// Both cursors, as far as they are on the graticule.
-pub(super) fn pointers(model: &ScreenState, layout: &ScreenLayout) -> Vec<Pointer> {
+pub(in crate::tui) fn pointers(model: &ScreenState, layout: &ScreenLayout) -> Vec<Pointer> {
     let cursors = model.cursors();
     let Some(pair) = cursors.pair else { return Vec::new() };
     let upright = cursors.kind == CursorKind::Time;
@@ -64,8 +64,12 @@ pub(super) fn pointers(model: &ScreenState, layout: &ScreenLayout) -> Vec<Pointe
 
 /// Writes what the cursors tell in the place of the selected trace's details; whether there was
 /// something to tell.
-pub(super) fn readout(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) -> bool {
-    let Some(reading) = model.cursor_reading().filter(|_| model.page() == Page::Scope) else {
+pub(in crate::tui) fn readout(
+    model: &ScreenState,
+    layout: &ScreenLayout,
+    frame: &mut Frame,
+) -> bool {
+    let Some(reading) = model.cursor_reading().filter(|_| model.page.is_none()) else {
         return false;
     };
     let bold = Style::new().add_modifier(Modifier::BOLD);

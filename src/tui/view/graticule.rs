@@ -1,20 +1,17 @@
 //! The graticule with the traces on it.
 
-use super::divisions::dot_of_division;
 use ratatui::Frame;
 use ratatui::style::Color;
 use ratatui::symbols::Marker;
 use ratatui::widgets::canvas::{Canvas, Painter, Shape};
 
-use super::layout::ScreenLayout;
-use super::ticks::ticks;
+use super::colours::{colour, colour_of};
+use super::layout::{ScreenLayout, dot_of_division, whole};
 use super::trace::{LineStyle, Projection, TraceLine, spans, spans_of_trace};
-use super::{colour, colour_of};
 use crate::scope::Waveform;
 use crate::trace::Trace;
-use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, Vertical, ViewWindow};
-use crate::tui::model::recording_behind::RecordingBehind;
-use crate::tui::model::{Palette, ScreenState, Visibility, ordinate_unit};
+use crate::tui::axis::{DIVISIONS_ACROSS, DIVISIONS_UP, Steps, Vertical, ViewWindow};
+use crate::tui::model::{OpenRecording, Palette, ScreenState, Visibility, ordinate_unit};
 
 /// Dots between two of a division line's own, at least.
 const MIN_DOT_SPACING: u16 = 3;
@@ -22,7 +19,7 @@ const MIN_DOT_SPACING: u16 = 3;
 const TICKS_PER_DIVISION: u16 = 5;
 
 /// Draws divisions and traces.
-pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
+pub(in crate::tui) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let window = model.window();
     let ticks = window.map_or_else(Vec::new, |window| ticks(model, layout, window));
     let lines = window.map_or_else(Vec::new, |window| lines(model, layout, window));
@@ -88,7 +85,7 @@ fn behind(model: &ScreenState, layout: &ScreenLayout, window: ViewWindow) -> Vec
         let vertical = model.vertical(&capture.waveform);
         line(&capture.waveform, vertical, grey, LineStyle::Solid);
     }
-    for capture in model.behind().flat_map(RecordingBehind::traces) {
+    for capture in model.recordings.behind().flat_map(OpenRecording::traces) {
         let (waveform, source) = (&capture.waveform, capture.waveform.source);
         // On the axes of the trace in front, so that the two can be compared.
         let front = model.captures().iter().find(|front| front.waveform.source == source);
@@ -116,7 +113,7 @@ fn behind(model: &ScreenState, layout: &ScreenLayout, window: ViewWindow) -> Vec
 }
 
 /// The visible traces, the selected one last.
-pub(super) fn shown(model: &ScreenState) -> Vec<&Waveform> {
+pub(in crate::tui) fn shown(model: &ScreenState) -> Vec<&Waveform> {
     let mut shown: Vec<&Waveform> = model
         .captures()
         .iter()
@@ -199,4 +196,45 @@ impl Shape for Grid {
 fn marks(dots: u16, divisions: u16) -> Vec<u16> {
     let each = (dots / MIN_DOT_SPACING).clamp(1, TICKS_PER_DIVISION);
     (0..=divisions * each).map(|mark| mark * dots / each).collect()
+}
+
+/// Length of a tick.
+const TICK_DOTS: u16 = 3;
+
+/// Round values on the screen of a trace that stands so, each with its multiple of a round step
+/// (unit).
+pub(in crate::tui) fn ordinate_ticks(vertical: Vertical) -> Vec<(i64, f64)> {
+    let half = f64::from(DIVISIONS_UP) / 2.0;
+    let edge = |division: f64| (division - vertical.position) * vertical.scale;
+    Steps::OneTwoFive.multiples((edge(-half), edge(half)), vertical.scale)
+}
+
+/// Round abscissae in a window, each with its multiple of a round step (s; Hz for an FFT).
+pub(in crate::tui) fn abscissa_ticks(window: ViewWindow) -> Vec<(i64, f64)> {
+    Steps::OneTwoAndHalfFive.multiples((window.left(), window.right()), window.scale)
+}
+
+/// Dots of the ticks at round values: at the bottom those of the abscissa, at the left those of the
+/// selected trace. Of an axis that is not shifted they are the divisions' lines, and none is drawn.
+pub(in crate::tui) fn ticks(
+    model: &ScreenState,
+    layout: &ScreenLayout,
+    window: ViewWindow,
+) -> Vec<(u16, u16)> {
+    let (last_column, last_row) = (layout.columns() - 1, layout.rows() - 1);
+    let density = f64::from(layout.x_dots) / window.scale;
+    let columns = abscissa_ticks(window).into_iter();
+    let columns = columns.map(|(_, value)| whole(((value - window.left()) * density).round()));
+    let columns = columns.filter(|column| *column <= last_column && column % layout.x_dots > 0);
+    let upward = columns
+        .flat_map(|column| (1..=TICK_DOTS).map(move |dot| (column, last_row.saturating_sub(dot))));
+    let selected = model.selected().map(|capture| model.vertical(&capture.waveform));
+    let rows = selected.into_iter().flat_map(|vertical| {
+        let division = move |value: f64| value / vertical.scale + vertical.position;
+        let values = ordinate_ticks(vertical).into_iter();
+        values.map(move |(_, value)| whole(dot_of_division(layout, division(value)).round()))
+    });
+    let rows = rows.filter(|row| *row <= last_row && row % layout.y_dots > 0);
+    let inward = rows.flat_map(|row| (1..=TICK_DOTS).map(move |dot| (dot, row)));
+    upward.chain(inward).collect()
 }

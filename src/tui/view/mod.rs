@@ -1,38 +1,28 @@
-//! The model as a picture. Nothing here changes the model.
+//! The model as a picture: what is around the pages, and the traces. Nothing here changes the
+//! model.
 
-mod accuracy;
-mod axes;
-mod bench;
-mod colours;
-mod compare;
+pub(in crate::tui) mod axes;
+pub(in crate::tui) mod colours;
 mod cursors;
-mod divisions;
+pub(in crate::tui) mod diagram;
 mod graticule;
 mod help;
 pub mod layout;
-mod lists;
-mod log;
 mod overview;
-mod panel;
+pub(in crate::tui) mod panel;
 pub mod picture;
-mod readout;
-mod sheet;
+pub(in crate::tui) mod readout;
 mod side;
-mod spectrum;
 mod status;
 pub mod target;
-mod ticks;
 mod trace;
-mod xy;
 
 use ratatui::Frame;
 use ratatui::layout::{Alignment, Rect};
 use ratatui::widgets::{Clear, Paragraph, Wrap};
 
-use crate::tui::model::{Page, Popup, ScreenState, SidePanel};
-use colours::{colour, colour_of};
+use crate::tui::model::{Popup, ScreenState, SidePanel};
 use layout::{SMALLEST_HEIGHT, SMALLEST_WIDTH, ScreenLayout};
-use panel::{message, panel};
 
 /// From this width on there is room for tables and something beside them.
 const WIDTH_WITH_TABLES: u16 = 112;
@@ -40,8 +30,8 @@ const WIDTH_WITH_TABLES: u16 = 112;
 /// Where everything stands for `model` on a terminal of `area`; `None` if it is too small.
 pub fn layout_of(model: &ScreenState, area: Rect) -> Option<ScreenLayout> {
     // Tables need all columns of a small terminal.
-    let tables = model.is_list() || matches!(model.page(), Page::Compare | Page::Accuracy);
-    let room = !tables || area.width >= WIDTH_WITH_TABLES;
+    let is_wide = model.page.is_some_and(|page| page.0.is_wide);
+    let room = !is_wide || area.width >= WIDTH_WITH_TABLES;
     ScreenLayout::with_side(area, model.side() != SidePanel::Nothing && room)
 }
 
@@ -53,41 +43,35 @@ pub fn draw(model: &ScreenState, frame: &mut Frame) {
         return;
     };
     status::draw(model, &layout, frame);
-    match model.page() {
-        Page::Scope => scope(model, &layout, frame),
-        Page::Spectrum => spectrum::draw(model, &layout, frame),
-        Page::Map => spectrum::map(model, &layout, frame),
-        Page::Xy => xy::draw(model, &layout, frame),
-        Page::Bench => bench::draw(model, &layout, frame),
-        Page::Compare => compare::draw(model, &layout, frame),
-        Page::Accuracy => accuracy::draw(model, &layout, frame),
-        Page::Effects | Page::HardCases | Page::Remote => lists::draw(model, &layout, frame),
+    match model.page {
+        None => traces(model, &layout, frame),
+        Some(page) => (page.0.draw)(model, &layout, frame),
     }
-    if layout.side.width > 0 || model.page() == Page::Scope {
+    if layout.side.width > 0 || model.page.is_none() {
         side::draw(model, &layout, frame);
     }
     readout::channels(model, &layout, frame);
     if !cursors::readout(model, &layout, frame) {
         readout::detail(model, &layout, frame);
     }
-    let zoomed = model.is_zoomed() && model.page() == Page::Scope;
+    let zoomed = model.is_zoomed() && model.page.is_none();
     let shared = layout.overview == layout.hints;
     let prompt = model.panel() == Popup::Prompt;
     if zoomed {
         overview::draw(model, &layout, frame);
     }
-    if !(shared && zoomed) || model.notice().is_some() || prompt {
+    if !(shared && zoomed) || model.notice.is_some() || prompt {
         status::hints(model, &layout, frame);
     }
     match model.panel() {
         Popup::Scope | Popup::Prompt => {}
-        Popup::Help | Popup::Search => help::draw(model, frame),
-        Popup::Log => log::draw(model, frame),
+        Popup::Help | Popup::Search => help::help(model, frame),
+        Popup::Log => help::log(model, frame),
     }
 }
 
-/// The page of traces over time.
-fn scope(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
+/// The traces over time.
+fn traces(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     graticule::draw(model, layout, frame);
     axes::draw(model, layout, frame);
     if model.captures().is_empty() {
@@ -107,12 +91,17 @@ fn too_small(area: Rect, frame: &mut Frame) {
 /// Says why there is no trace.
 fn nothing(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let text = match model.shot() {
-        None if model.live().is_some_and(|live| live.served.is_some()) => {
-            "Waiting for the scope's first record: i strikes the chain"
-        }
-        None if model.live().is_some() => "Striking the chain ...",
-        None if model.is_growing() => "Waiting for the first shot ...",
-        None => "This recording holds no shots.",
+        None => match &model.recordings.front().live {
+            Some(live) => match &live.served {
+                Some(served) if served.bench => {
+                    "Waiting for the scope's first record: i strikes the chain"
+                }
+                Some(_) => "Waiting for the scope's first record",
+                None => "Striking the chain ...",
+            },
+            None if model.is_growing() => "Waiting for the first shot ...",
+            None => "This recording holds no shots.",
+        },
         Some(_) => "This shot holds no captures.",
     };
     let area = layout.graticule;

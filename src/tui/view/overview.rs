@@ -8,16 +8,16 @@ use ratatui::text::Span;
 use ratatui::widgets::canvas::Canvas;
 
 use super::axes::put;
-use super::divisions::whole;
+use super::colours::{colour, colour_of};
 use super::layout::ScreenLayout;
+use super::layout::whole;
 use super::trace::{LineStyle, Projection, TraceLine, spans};
-use super::{colour, colour_of};
 use crate::scope::Waveform;
 use crate::tui::axis::{ViewWindow, extent};
 use crate::tui::model::ScreenState;
 
 /// Draws the strip, if there is a trace.
-pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
+pub(in crate::tui) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let (Some(window), Some(capture)) = (model.window(), model.selected()) else {
         return;
     };

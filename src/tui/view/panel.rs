@@ -6,17 +6,17 @@ use ratatui::text::Line;
 use ratatui::widgets::{Block, Clear, Paragraph, Wrap};
 
 /// Columns of a panel's frame and of the gaps inside it.
-pub(super) const PANEL_MARGINS: u16 = 4;
+pub(in crate::tui) const PANEL_MARGINS: u16 = 4;
 
 /// One sentence in the middle of `area`.
-pub(super) fn message(text: &str, area: Rect, frame: &mut Frame) {
+pub(in crate::tui) fn message(text: &str, area: Rect, frame: &mut Frame) {
     let middle = Rect { y: area.y + area.height / 2, height: 2.min(area.height), ..area };
     let words = Paragraph::new(text.to_owned()).alignment(Alignment::Center);
     frame.render_widget(words.wrap(Wrap { trim: true }), middle);
 }
 
 /// `text` in lines of at most `width` columns, broken between words.
-pub(super) fn wrapped(text: &str, width: usize) -> Vec<String> {
+pub(in crate::tui) fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
         match lines.last_mut() {
@@ -32,7 +32,7 @@ pub(super) fn wrapped(text: &str, width: usize) -> Vec<String> {
 
 /// Text in a frame over the screen, as large as it needs and the terminal allows, from the line
 /// `first` on.
-pub(super) fn panel(first: usize, title: &str, lines: Vec<Line>, frame: &mut Frame) {
+pub(in crate::tui) fn panel(first: usize, title: &str, lines: Vec<Line>, frame: &mut Frame) {
     let area = frame.area();
     let widest = lines.iter().map(Line::width).max().unwrap_or(0);
     let width = u16::try_from(widest).unwrap_or(u16::MAX).saturating_add(PANEL_MARGINS);

@@ -8,13 +8,13 @@ use ratatui::layout::Rect;
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 
+use super::colours::{colour, colour_of};
 use super::layout::ScreenLayout;
-use super::{colour, colour_of};
 use crate::quantity::engineering;
 use crate::recording::Capture;
 use crate::scope::{PointFormat, Slope, Source, Waveform};
 use crate::tui::axis::{Vertical, is_spectrum};
-pub(super) use crate::tui::model::ordinate_unit;
+pub(in crate::tui) use crate::tui::model::ordinate_unit;
 use crate::tui::model::{MathMode, ScreenState, Visibility};
 
 /// Digits of a reading, as on the instrument.
@@ -22,10 +22,10 @@ const DIGITS: usize = 3;
 /// More digits than this no label has room for.
 const MAX_DIGITS: usize = 8;
 /// Between two readings.
-pub(super) const READING_GAP: &str = "  ";
+pub(in crate::tui) const READING_GAP: &str = "  ";
 
 /// A number as the instrument writes it: `500mV`, `1.00ms`; decibels without a prefix.
-pub(super) fn compact(value: f64, unit: &str, digits: usize) -> String {
+pub(in crate::tui) fn compact(value: f64, unit: &str, digits: usize) -> String {
     if unit == "dB" {
         let before = usize::try_from(exponent(value) + 1).unwrap_or(0).max(1);
         let decimals = digits.saturating_sub(before);
@@ -36,7 +36,7 @@ pub(super) fn compact(value: f64, unit: &str, digits: usize) -> String {
 }
 
 /// How many digits tell `value` from `value + scale / 10`.
-pub(super) fn digits_for(value: f64, scale: f64) -> usize {
+pub(in crate::tui) fn digits_for(value: f64, scale: f64) -> usize {
     let digits = exponent(value).saturating_sub(exponent(scale)) + 2;
     usize::try_from(digits).unwrap_or(DIGITS).clamp(DIGITS, MAX_DIGITS)
 }
@@ -47,11 +47,11 @@ fn exponent(value: f64) -> i32 {
 }
 
 /// Columns of `parts` with gaps between and before them.
-pub(super) fn width(parts: &[Span]) -> usize {
+pub(in crate::tui) fn width(parts: &[Span]) -> usize {
     parts.iter().map(|part| part.width() + READING_GAP.len()).sum()
 }
 
-pub(super) fn spaced(parts: Vec<Span>) -> Vec<Span> {
+pub(in crate::tui) fn spaced(parts: Vec<Span>) -> Vec<Span> {
     let mut line = Vec::new();
     for part in parts {
         if !line.is_empty() {
@@ -70,14 +70,14 @@ enum ReadingDetail {
 }
 
 /// The line of readings: one a trace from the left, time base and trigger at the right.
-pub(super) struct Readings {
-    pub(super) traces: Vec<(Source, Span<'static>)>,
-    pub(super) base: String,
-    pub(super) trigger: String,
+pub(in crate::tui) struct Readings {
+    pub(in crate::tui) traces: Vec<(Source, Span<'static>)>,
+    pub(in crate::tui) base: String,
+    pub(in crate::tui) trigger: String,
 }
 
 impl Readings {
-    pub(super) fn of(model: &ScreenState, layout: &ScreenLayout) -> Self {
+    pub(in crate::tui) fn of(model: &ScreenState, layout: &ScreenLayout) -> Self {
         let base = model.window().zip(model.selected()).map(|(window, capture)| {
             let reading = compact(window.scale, &capture.waveform.preamble.x_unit, DIGITS);
             let star = if model.is_zoomed() { "*" } else { "" };
@@ -114,7 +114,7 @@ impl Readings {
 }
 
 /// One reading a trace, and the time base at the right.
-pub(super) fn channels(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
+pub(in crate::tui) fn channels(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let area = layout.channels;
     let readings = Readings::of(model, layout);
     let bold = Style::new().add_modifier(Modifier::BOLD);
@@ -184,12 +184,15 @@ fn clipped(waveform: &Waveform) -> usize {
 }
 
 /// Everything about the selected trace that there is room for.
-pub(super) fn detail(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
+pub(in crate::tui) fn detail(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     frame.render_widget(Line::from(spaced(detail_parts(model, layout))), layout.detail);
 }
 
 /// Everything that there is room for, part by part.
-pub(super) fn detail_parts(model: &ScreenState, layout: &ScreenLayout) -> Vec<Span<'static>> {
+pub(in crate::tui) fn detail_parts(
+    model: &ScreenState,
+    layout: &ScreenLayout,
+) -> Vec<Span<'static>> {
     let mut parts: Vec<Span> = Vec::new();
     let Some(capture) = model.selected() else { return parts };
     let room = usize::from(layout.detail.width);

@@ -7,7 +7,7 @@ use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::Line;
 use ratatui::widgets::{Block, Borders, Clear, Paragraph};
 
-use super::colour_of;
+use super::colours::colour_of;
 use super::layout::{SIDE_WIDTH, ScreenLayout};
 use super::panel::wrapped;
 use super::readout::compact;
@@ -21,7 +21,7 @@ const NAME_WIDTH: usize = 14;
 const PAIR_WIDTH: usize = 9;
 
 /// Draws the column.
-pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
+pub(in crate::tui) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let (title, lines) = match model.side() {
         SidePanel::Nothing => return,
         SidePanel::Measurements => (" Measure (M) ", measurements(model)),
@@ -98,8 +98,11 @@ fn arrivals(model: &ScreenState, survey: &Survey, lines: &mut Vec<Line<'static>>
 }
 
 fn knobs(model: &ScreenState) -> Vec<Line<'static>> {
-    let (Some(live), Some(scene)) = (model.live(), model.scene()) else {
-        let served = model.live().is_some_and(|live| live.served.is_some());
+    let (Some(live), Some(scene)) =
+        (model.recordings.front().live.as_ref(), model.recordings.front().scene.as_ref())
+    else {
+        let served =
+            model.recordings.front().live.as_ref().is_some_and(|live| live.served.is_some());
         let words = if served {
             ["its scene does not ship with", "this program; i, :set striker.", "speed 0.5 m/s work"]
         } else {

@@ -8,15 +8,15 @@ use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Clear, Paragraph};
 
-use super::colour;
+use super::colours::colour;
 use super::layout::ScreenLayout;
 use super::panel::wrapped;
 use super::readout::{READING_GAP, compact, digits_for, spaced, width};
 use crate::recording::Origin;
 use crate::scope::Waveform;
 use crate::tui::axis::{ViewWindow, is_spectrum};
-use crate::tui::keys::{KNOB_HINTS, RECORDING_HINTS, hints as hint_keys};
-use crate::tui::model::command::COMMANDS;
+use crate::tui::keys::{KNOB_HINTS, RECORDING_HINTS, TRACE_HINTS};
+use crate::tui::model::command::commands_of;
 use crate::tui::model::{Popup, RunState, ScreenState, SidePanel};
 
 /// Hints that stand first on every page: help, and out.
@@ -29,7 +29,7 @@ const TITLE_WIDTH: usize = 12;
 const MOST_TITLE_WIDTH: usize = 50;
 
 /// Title, state, origin, problems, shot and position of the screen's centre.
-pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
+pub(in crate::tui) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let warning = bold.fg(colour(model.palette(), Color::LightRed));
     let mut parts: Vec<Span> = Vec::new();
@@ -40,7 +40,7 @@ pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame
             Origin::Measured => Span::raw("measured"),
         });
     }
-    let problems = model.set().problems.len();
+    let problems = model.recordings.front().set.problems.len();
     if problems > 0 {
         let plural = if problems == 1 { "" } else { "s" };
         parts.push(Span::styled(format!("{problems} problem{plural} (l)"), warning));
@@ -54,7 +54,7 @@ pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame
         };
         let more = if model.is_growing() { "+" } else { "" };
         let count = model.shots();
-        let words = match model.live() {
+        let words = match model.recordings.front().live.as_ref() {
             Some(_) => format!("Shot {}", shot.number),
             None => format!("Shot {place}/{count}{more}{number}"),
         };
@@ -65,10 +65,12 @@ pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame
     }
     let area = layout.status;
     let room = usize::from(area.width);
-    let behind = model.behind().map(|other| format!("  ┄ {}", other.label()));
-    let title = behind.fold(model.title().to_owned(), |title, other| title + &other);
+    let behind = model.recordings.behind().map(|other| format!("  ┄ {}", other.label()));
+    let title =
+        behind.fold(model.recordings.front().title.to_owned(), |title, other| title + &other);
     // Of several recordings the names matter more than the state.
-    let least = if model.behind().next().is_some() { MOST_TITLE_WIDTH } else { TITLE_WIDTH };
+    let least =
+        if model.recordings.behind().next().is_some() { MOST_TITLE_WIDTH } else { TITLE_WIDTH };
     let least = least.min(Span::raw(&title).width()).max(TITLE_WIDTH);
     while parts.len() > 1 && width(&parts) + least > room {
         parts.remove(0);
@@ -82,9 +84,9 @@ pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame
 
 /// State of the acquisition, as the instrument names it.
 fn state(model: &ScreenState) -> String {
-    let Some(live) = model.live() else {
+    let Some(live) = model.recordings.front().live.as_ref() else {
         return if model.is_playing() {
-            format!("Play {}x", model.play().speed)
+            format!("Play {}x", model.play.speed)
         } else {
             "Stop".to_owned()
         };
@@ -139,11 +141,10 @@ fn shortened(text: &str, room: usize) -> String {
 }
 
 /// Help for the command being typed, or how to leave.
-fn command_matches(typed: &str) -> String {
+fn command_help(typed: &str) -> String {
     let word = typed.split(' ').next().unwrap_or_default();
-    let is = |command: &str| !word.is_empty() && command.trim_start_matches(':').starts_with(word);
-    match COMMANDS.iter().find(|(command, _)| is(command)) {
-        Some((command, help)) => format!("{command}: {help}"),
+    match commands_of(word).first().filter(|_| !word.is_empty()) {
+        Some(command) => format!("{}: {}", command.usage(), command.help()),
         None => "Enter does it, Esc leaves".to_owned(),
     }
 }
@@ -159,15 +160,20 @@ fn over_rows(text: &str, style: Style, last: Rect, frame: &mut Frame) {
 }
 
 /// The notice of the last action, or else the most important keys.
-pub(super) fn hints(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
+pub(in crate::tui) fn hints(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let area = layout.hints;
     if model.panel() == Popup::Prompt {
         let bold = Style::new().add_modifier(Modifier::BOLD);
+        let (before, behind) = model.prompt_parts();
+        let mut rest = behind.chars();
+        let under_cursor = rest.next().map_or_else(|| " ".to_owned(), String::from);
         let mut line = Line::from(vec![
-            Span::styled(format!(":{}", model.prompt()), bold),
-            Span::styled(" ", bold.add_modifier(Modifier::REVERSED)),
+            Span::styled(format!(":{before}"), bold),
+            Span::styled(under_cursor, bold.add_modifier(Modifier::REVERSED)),
+            Span::styled(rest.as_str().to_owned(), bold),
         ]);
-        let words = model.notice().map_or_else(|| command_matches(model.prompt()), str::to_owned);
+        let words =
+            model.notice.as_deref().map_or_else(|| command_help(model.prompt()), str::to_owned);
         let gap = READING_GAP.len();
         if line.width() + gap + Span::raw(&words).width() <= usize::from(area.width) {
             line.push_span(Span::raw(format!("{READING_GAP}{words}")));
@@ -178,7 +184,7 @@ pub(super) fn hints(model: &ScreenState, layout: &ScreenLayout, frame: &mut Fram
         frame.render_widget(line, area);
         return;
     }
-    if let Some(notice) = model.notice() {
+    if let Some(notice) = model.notice.as_deref() {
         let style = Style::new().fg(colour(model.palette(), Color::LightRed));
         over_rows(notice, style, area, frame);
         return;
@@ -187,8 +193,9 @@ pub(super) fn hints(model: &ScreenState, layout: &ScreenLayout, frame: &mut Fram
     let grey = Style::new().fg(colour(model.palette(), Color::Gray));
     let mut parts: Vec<Span> = Vec::new();
     let knobs = if model.side() == SidePanel::Knobs { KNOB_HINTS } else { &[] };
-    let others = if model.behind().next().is_some() { RECORDING_HINTS } else { &[] };
-    let (first, rest) = hint_keys(model.page()).split_at(FIRST_HINTS);
+    let others = if model.recordings.behind().next().is_some() { RECORDING_HINTS } else { &[] };
+    let hints = model.page.map_or(TRACE_HINTS, |page| page.0.hints);
+    let (first, rest) = hints.split_at(FIRST_HINTS);
     for (keys, what) in first.iter().chain(others).chain(knobs).chain(rest) {
         parts.push(Span::styled(format!("{keys} {what}"), grey));
         if width(&parts) > room + READING_GAP.len() {

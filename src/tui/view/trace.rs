@@ -14,24 +14,24 @@ use crate::trace::Trace;
 
 /// How abscissa and ordinate become dots, counted from the top left.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Projection {
+pub(in crate::tui) struct Projection {
     /// Abscissa of column 0 (s; Hz for an FFT).
-    pub(super) left: f64,
+    pub(in crate::tui) left: f64,
     /// Columns in a unit of the abscissa (dots/s).
-    pub(super) x_density: f64,
+    pub(in crate::tui) x_density: f64,
     /// Row of zero volts (dots).
-    pub(super) zero: f64,
+    pub(in crate::tui) zero: f64,
     /// Rows in a unit of the ordinate (dots/V).
-    pub(super) y_density: f64,
+    pub(in crate::tui) y_density: f64,
     /// Number of columns.
-    pub(super) columns: u16,
+    pub(in crate::tui) columns: u16,
     /// Number of rows.
-    pub(super) rows: u16,
+    pub(in crate::tui) rows: u16,
 }
 
 /// Rows that a trace covers in one column of dots, from the top; empty if `top > bottom`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Span {
+pub(in crate::tui) struct Span {
     top: f64,
     bottom: f64,
 }
@@ -52,7 +52,7 @@ fn column(x: f64) -> i64 {
 
 /// The spans of `waveform`, one a column; only points on the screen and one to either side are
 /// looked at.
-pub(super) fn spans(waveform: &Waveform, projection: &Projection) -> Vec<Span> {
+pub(in crate::tui) fn spans(waveform: &Waveform, projection: &Projection) -> Vec<Span> {
     let incr = waveform.preamble.x_incr;
     let seen = seen(waveform.time(0), incr, waveform.codes.len(), projection);
     let point = |(index, code): (usize, &i16)| (waveform.time(index), waveform.volts_of(*code));
@@ -61,7 +61,7 @@ pub(super) fn spans(waveform: &Waveform, projection: &Projection) -> Vec<Span> {
 }
 
 /// The same for a signal that passed no digitiser.
-pub(super) fn spans_of_trace(trace: &Trace, projection: &Projection) -> Vec<Span> {
+pub(in crate::tui) fn spans_of_trace(trace: &Trace, projection: &Projection) -> Vec<Span> {
     let seen = seen(trace.start, trace.interval, trace.values.len(), projection);
     let values = trace.values.iter().enumerate().take(seen.end).skip(seen.start);
     joined(values.map(|(index, value)| (trace.time(index), *value)), projection)
@@ -126,7 +126,7 @@ fn join(spans: &mut [Span], from: (f64, f64), to: (f64, f64)) {
 
 /// How a trace is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum LineStyle {
+pub(in crate::tui) enum LineStyle {
     /// Every dot.
     Solid,
     /// Every other dot, where colours cannot tell traces apart.
@@ -135,11 +135,11 @@ pub(super) enum LineStyle {
 
 /// A trace on a canvas of `rows` rows of dots.
 #[derive(Debug)]
-pub(super) struct TraceLine {
-    pub(super) spans: Vec<Span>,
-    pub(super) rows: u16,
-    pub(super) colour: Color,
-    pub(super) stroke: LineStyle,
+pub(in crate::tui) struct TraceLine {
+    pub(in crate::tui) spans: Vec<Span>,
+    pub(in crate::tui) rows: u16,
+    pub(in crate::tui) colour: Color,
+    pub(in crate::tui) stroke: LineStyle,
 }
 
 impl Shape for TraceLine {

@@ -5,50 +5,55 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel}
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::{ScreenEvent, guarded, with_reasons};
+use super::event::ScreenEvent;
 use crate::recording::mcap::indexed_recording::{IndexedRecording, ReadState};
+use crate::tui::job::{guarded, with_reasons};
 
-/// A file that may grow is looked at so often.
+/// Interval between looks at a file that may grow.
 const FILE_POLL_INTERVAL: Duration = Duration::from_millis(50);
-/// How much is found is told so often.
+/// Interval between reports of how much was found.
 const REPORT_INTERVAL: Duration = Duration::from_millis(100);
 
 /// Starts the thread; it takes places of shots.
-pub fn start(tape: IndexedRecording, follow: bool, news: &Sender<ScreenEvent>) -> Sender<usize> {
-    let (orders, received) = channel();
-    let news = news.clone();
+pub fn start(
+    recording: IndexedRecording,
+    follow: bool,
+    events: &Sender<ScreenEvent>,
+) -> Sender<usize> {
+    let (places, received) = channel();
+    let events = events.clone();
     thread::spawn(move || {
-        let last = news.clone();
-        let player = Player { tape, follow, news, told: None, brought: None };
+        let last = events.clone();
+        let worker = RecordingWorker { recording, follow, events, reported: None, sent: None };
         // An error means that the screen is gone.
-        if let Err(words) = guarded(|| Ok(player.play(&received))) {
+        if let Err(words) = guarded(|| Ok(worker.run(&received))) {
             let _ = last.send(ScreenEvent::Told(words));
         }
     });
-    orders
+    places
 }
 
-struct Player {
-    tape: IndexedRecording,
+struct RecordingWorker {
+    recording: IndexedRecording,
     follow: bool,
-    news: Sender<ScreenEvent>,
-    /// When it was last told how much there is, and what.
-    told: Option<(Instant, usize, ReadState)>,
-    /// The shot that was brought last, and of how many pieces of the file it and the messages
+    events: Sender<ScreenEvent>,
+    /// Time of the last report, and its shots and state.
+    reported: Option<(Instant, usize, ReadState)>,
+    /// The shot that was sent last, and of how many pieces of the file it and the messages
     /// around it were made.
-    brought: Option<(usize, [usize; 2])>,
+    sent: Option<(usize, [usize; 2])>,
 }
 
-/// The other end is gone.
+/// The screen is closed.
 struct Disconnected;
 
-impl Player {
-    fn play(mut self, orders: &Receiver<usize>) -> Result<(), Disconnected> {
+impl RecordingWorker {
+    fn run(mut self, places: &Receiver<usize>) -> Result<(), Disconnected> {
         loop {
-            if let Some(place) = latest(orders)? {
-                self.apply(place)?;
+            if let Some(place) = latest(places)? {
+                self.send_shot(place)?;
             }
-            let end = self.tape.read_on();
+            let end = self.recording.read_on();
             let end = match end {
                 Ok(end) => end,
                 Err(error) => {
@@ -57,44 +62,45 @@ impl Player {
                 }
             };
             self.report_progress(end)?;
-            self.load_rest(end)?;
+            self.send_rest(end)?;
             let place = match end {
                 ReadState::More => None,
-                ReadState::Open if self.follow => match orders.recv_timeout(FILE_POLL_INTERVAL) {
+                ReadState::Open if self.follow => match places.recv_timeout(FILE_POLL_INTERVAL) {
                     Ok(place) => Some(place),
                     Err(RecvTimeoutError::Timeout) => None,
                     Err(RecvTimeoutError::Disconnected) => return Err(Disconnected),
                 },
                 ReadState::Open | ReadState::Finished => {
-                    Some(orders.recv().map_err(|_| Disconnected)?)
+                    Some(places.recv().map_err(|_| Disconnected)?)
                 }
             };
             if let Some(place) = place {
-                let place = latest(orders)?.unwrap_or(place);
-                self.apply(place)?;
+                let place = latest(places)?.unwrap_or(place);
+                self.send_shot(place)?;
             }
         }
     }
 
-    fn send(&self, news: ScreenEvent) -> Result<(), Disconnected> {
-        self.news.send(news).map_err(|_| Disconnected)
+    fn send(&self, events: ScreenEvent) -> Result<(), Disconnected> {
+        self.events.send(events).map_err(|_| Disconnected)
     }
 
     /// The shot on screen again, where more of it has come since: its last pieces may not have been
     /// written yet. Messages around it are waited for until an end is reached.
-    fn load_rest(&mut self, end: ReadState) -> Result<(), Disconnected> {
-        let Some((place, [pieces, lines])) = self.brought else { return Ok(()) };
-        let has_lines = || end != ReadState::More && self.tape.line_pieces(place) != lines;
-        if self.tape.pieces(place) > pieces || has_lines() {
-            return self.apply(place);
+    fn send_rest(&mut self, end: ReadState) -> Result<(), Disconnected> {
+        let Some((place, [pieces, lines])) = self.sent else { return Ok(()) };
+        let has_lines = || end != ReadState::More && self.recording.line_pieces(place) != lines;
+        if self.recording.pieces(place) > pieces || has_lines() {
+            return self.send_shot(place);
         }
         Ok(())
     }
 
-    fn apply(&mut self, place: usize) -> Result<(), Disconnected> {
-        self.brought = Some((place, [self.tape.pieces(place), self.tape.line_pieces(place)]));
-        let lines = self.tape.lines_around(place);
-        let found = lines.and_then(|lines| Ok((self.tape.shot_and_notes(place)?, lines)));
+    fn send_shot(&mut self, place: usize) -> Result<(), Disconnected> {
+        self.sent =
+            Some((place, [self.recording.pieces(place), self.recording.line_pieces(place)]));
+        let lines = self.recording.lines_around(place);
+        let found = lines.and_then(|lines| Ok((self.recording.shot_and_notes(place)?, lines)));
         match found {
             Ok((Some((shot, notes)), lines)) => {
                 self.send(ScreenEvent::Shot(place, Box::new((shot, notes, lines))))
@@ -109,19 +115,19 @@ impl Player {
     /// Tells how much there is: the first shot at once, then now and then, and whenever an end is
     /// reached.
     fn report_progress(&mut self, end: ReadState) -> Result<(), Disconnected> {
-        let count = self.tape.shots();
-        let due = match self.told {
+        let count = self.recording.shots();
+        let due = match self.reported {
             None => count > 0 || end != ReadState::More,
-            Some((at, told, before)) => {
-                (told, before) != (count, end)
+            Some((at, reported, before)) => {
+                (reported, before) != (count, end)
                     && (end != ReadState::More || at.elapsed() >= REPORT_INTERVAL)
             }
         };
         if !due {
             return Ok(());
         }
-        self.told = Some((Instant::now(), count, end));
-        let mut facts = self.tape.facts();
+        self.reported = Some((Instant::now(), count, end));
+        let mut facts = self.recording.facts();
         if end == ReadState::Open && self.follow {
             // It goes on.
             facts.problems.pop();
@@ -132,10 +138,10 @@ impl Player {
 }
 
 /// The newest order, the others are stale.
-fn latest(orders: &Receiver<usize>) -> Result<Option<usize>, Disconnected> {
+fn latest(places: &Receiver<usize>) -> Result<Option<usize>, Disconnected> {
     let mut latest = None;
     loop {
-        match orders.try_recv() {
+        match places.try_recv() {
             Ok(place) => latest = Some(place),
             Err(TryRecvError::Empty) => return Ok(latest),
             Err(TryRecvError::Disconnected) => return Err(Disconnected),

@@ -1,4 +1,5 @@
-//! Writes what was seen: a recording, traces, the tuned scene, a picture of the screen.
+//! Writes what was seen: a recording, traces, the tuned scene, a picture of the screen. What is
+//! written is taken from the model here, and a thread writes it.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -7,18 +8,17 @@ use ratatui::Terminal;
 use ratatui::backend::TestBackend;
 use ratatui::layout::Size;
 
-use super::with_reasons;
 use crate::files::{NewFile, Output as _};
 use crate::recording::{TraceSet, mcap, tek_csv};
+use crate::tui::job::{Job, Queue, with_reasons};
 use crate::tui::model::ScreenState;
 use crate::tui::view::{self, picture};
 
-/// Writes the model to `file` by its ending, or to the next free number where that exists; tells
-/// what was written, or why nothing was.
+/// A job that writes the model to `file` by its ending, or to the next free number if that exists.
 ///
 /// # Errors
-/// Why it cannot be saved, as a message.
-pub fn save(model: &ScreenState, size: Size, file: &Path) -> Result<String, String> {
+/// Why there is nothing to write, as a message.
+pub fn job(model: &ScreenState, size: Size, file: PathBuf) -> Result<Job<ScreenState>, String> {
     let ending = file.extension().and_then(|e| e.to_str()).unwrap_or_default();
     match ending.to_ascii_lowercase().as_str() {
         "mcap" => recording(model, file),
@@ -26,6 +26,19 @@ pub fn save(model: &ScreenState, size: Size, file: &Path) -> Result<String, Stri
         "toml" => scene(model, file),
         _ => screen(model, size, file),
     }
+}
+
+/// A job that writes, and shows what was written or why nothing was.
+fn writing(
+    write: impl FnOnce() -> Result<String, String> + Send + 'static,
+) -> Result<Job<ScreenState>, String> {
+    Ok(Job::new(
+        Queue::File,
+        move |_| write(),
+        |model: &mut ScreenState, written| {
+            model.set_notice(written.unwrap_or_else(|problem| problem))
+        },
+    ))
 }
 
 /// Writes a file that replaces none; returns its name for the user.
@@ -40,26 +53,40 @@ fn write(file: &Path, text: &str) -> Result<String, String> {
 }
 
 /// The shot on screen with everything that is known about it.
-fn recording(model: &ScreenState, file: &Path) -> Result<String, String> {
+fn recording(model: &ScreenState, file: PathBuf) -> Result<Job<ScreenState>, String> {
     let shot = model.shot().ok_or("there is no shot to write")?;
-    let set = TraceSet { shots: vec![shot.clone()], ..model.set().clone() };
-    let written = mcap::write_numbered(file, &set).map_err(|error| with_reasons(&error))?;
-    Ok(format!("wrote shot {} with its scene to {}", shot.number, written.display()))
+    let set = &model.recordings.front().set;
+    let set = TraceSet {
+        shots: vec![shot.clone()],
+        metadata: set.metadata.clone(),
+        attachments: set.attachments.clone(),
+        log: set.log.clone(),
+        problems: set.problems.clone(),
+        notes: set.notes.clone(),
+        lines: set.lines.clone(),
+    };
+    let number = shot.number;
+    writing(move || {
+        let written = mcap::write_numbered(&file, &set).map_err(|error| with_reasons(&error))?;
+        Ok(format!("wrote shot {number} with its scene to {}", written.display()))
+    })
 }
 
 /// Each trace in a file as the instrument saves it.
-fn traces(model: &ScreenState, file: &Path) -> Result<String, String> {
-    let mut written = Vec::new();
-    for capture in model.captures() {
-        let text = tek_csv::write(capture).map_err(|error| with_reasons(&error))?;
-        let name = path_beside(file, &capture.waveform.source.to_string());
-        written.push(write(&name, &text)?);
+fn traces(model: &ScreenState, file: PathBuf) -> Result<Job<ScreenState>, String> {
+    let captures = model.captures().to_vec();
+    if captures.is_empty() {
+        return Err("there are no traces".to_owned());
     }
-    if written.is_empty() {
-        Err("there are no traces".to_owned())
-    } else {
+    writing(move || {
+        let mut written = Vec::new();
+        for capture in &captures {
+            let text = tek_csv::write(capture).map_err(|error| with_reasons(&error))?;
+            let name = path_beside(&file, &capture.waveform.source.to_string());
+            written.push(write(&name, &text)?);
+        }
         Ok(format!("wrote {}", written.join(", ")))
-    }
+    })
 }
 
 /// `lab.csv` for CH1 is `lab-CH1.csv`.
@@ -68,23 +95,28 @@ fn path_beside(file: &Path, source: &str) -> PathBuf {
     file.with_file_name(format!("{stem}-{source}.csv"))
 }
 
-fn scene(model: &ScreenState, file: &Path) -> Result<String, String> {
-    let text = match (model.live(), model.scene()) {
+fn scene(model: &ScreenState, file: PathBuf) -> Result<Job<ScreenState>, String> {
+    let front = model.recordings.front();
+    let text = match (&front.live, &front.scene) {
         (Some(live), None) if live.served.is_some() => {
-            return Err("the served scene is not one that ships: save it where it is served".into());
+            return Err(
+                "the served scene is not an included one: save it where it is served".into()
+            );
         }
         (Some(live), _) => live.text(),
         (None, Some(scene)) => scene.text.clone(),
-        (None, None) => return Err("no scene travels with this recording".to_owned()),
+        (None, None) => return Err("this recording contains no scene".to_owned()),
     };
-    let written = write(file, &text)?;
-    Ok(format!("wrote the scene to {written}: hertzscope run {written}"))
+    writing(move || {
+        let written = write(&file, &text)?;
+        Ok(format!("wrote the scene to {written}: hertzscope run {written}"))
+    })
 }
 
-fn screen(model: &ScreenState, size: Size, file: &Path) -> Result<String, String> {
+fn screen(model: &ScreenState, size: Size, file: PathBuf) -> Result<Job<ScreenState>, String> {
     let backend = TestBackend::new(size.width, size.height);
     let Ok(mut terminal) = Terminal::new(backend);
     let Ok(drawn) = terminal.draw(|frame| view::draw(model, frame));
-    let written = write(file, &picture::svg(drawn.buffer))?;
-    Ok(format!("wrote this screen to {written}"))
+    let text = picture::svg(drawn.buffer);
+    writing(move || Ok(format!("wrote this screen to {}", write(&file, &text)?)))
 }

@@ -5,7 +5,7 @@ use std::net::{Shutdown, TcpListener, TcpStream};
 use std::thread;
 use std::time::Duration;
 
-use hertzscope::client::{AcquisitionEvent, Address, ClientTiming};
+use hertzscope::client::{AcquisitionEvent, Address, ClientTiming, LineEvent};
 
 use super::lines::{ByteTime, Failure, Pull, serial_port, socket};
 use super::{TIMING, assert_recorded, shots, struck};
@@ -26,7 +26,7 @@ const PULLS: [Pull; 10] = [
 ];
 
 fn failures(events: &[AcquisitionEvent]) -> usize {
-    events.iter().filter(|event| matches!(event, AcquisitionEvent::LineBack)).count()
+    events.iter().filter(|event| matches!(event, AcquisitionEvent::Line(LineEvent::Back))).count()
 }
 
 #[test]
@@ -52,7 +52,7 @@ fn a_socket_that_falls_silent() {
     drop(server);
     assert_recorded(&taken, &own);
     assert!(failures(&events) >= 2, "{events:?}");
-    let is_silent = |event: &AcquisitionEvent| matches!(event, AcquisitionEvent::LineFailed(why) if why.contains("no reply within 0.3 s"));
+    let is_silent = |event: &AcquisitionEvent| matches!(event, AcquisitionEvent::Line(LineEvent::Failed(why)) if why.contains("no reply within 0.3 s"));
     assert!(events.iter().any(is_silent), "{events:?}");
 }
 

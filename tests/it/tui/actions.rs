@@ -41,8 +41,8 @@ fn a_channel_button_selects_then_turns_off_then_on() {
 fn a_button_without_channel_says_so_and_changes_nothing() {
     let model = after(model(recording(vec![vec![step()]])), &[Action::Channel(4)]);
     assert!(model.is_selected(Source::Channel(1)));
-    assert_eq!(model.notice(), Some("CH4 is not in this shot"));
-    assert_eq!(after(model, &[Action::Reset]).notice(), None);
+    assert_eq!(model.notice.as_deref(), Some("CH4 is not in this shot"));
+    assert_eq!(after(model, &[Action::Reset]).notice, None);
 }
 
 #[test]
@@ -172,7 +172,7 @@ fn another_shot_is_shown_at_the_same_place() {
     assert!(near(time_scale(&model), 50e3));
     let model = after(model, &[next]);
     assert_eq!(model.shot_index(), 2);
-    assert!(model.notice().is_some());
+    assert!(model.notice.as_deref().is_some());
 }
 
 #[test]

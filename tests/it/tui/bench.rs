@@ -2,7 +2,8 @@
 
 use hertzscope::recording::{Capture, InstrumentIdentity, Origin, Shot, TraceSet};
 use hertzscope::scope::{Coupling, PointFormat, Preamble, Source, VerticalSetup, Waveform};
-use hertzscope::tui::model::{Action, Palette, ScreenState, update};
+use hertzscope::tui::job::{Change, Queue};
+use hertzscope::tui::model::{Action, Palette, Request, ScreenState, update};
 use hertzscope::tui::view;
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
@@ -109,12 +110,32 @@ pub fn four_channels() -> ScreenState {
     model(recording(vec![captures]))
 }
 
-/// `model` after `actions`.
+/// `model` after `actions`, and after the threads have computed what it shows.
 pub fn after(mut model: ScreenState, actions: &[Action]) -> ScreenState {
     for action in actions {
         update(&mut model, *action);
+        compute(&mut model);
     }
     model
+}
+
+/// Does the jobs that readings, pages and keys wait for; leaves the other requests.
+pub fn compute(model: &mut ScreenState) {
+    loop {
+        let is_quick = |request: &Request| matches!(request, Request::Job(job) if matches!(job.queue, Queue::Reading | Queue::Key));
+        let (quick, others) = model.take_requests().into_iter().partition(is_quick);
+        model.requests = others;
+        let quick: Vec<Request> = quick;
+        if quick.is_empty() {
+            return;
+        }
+        for request in quick {
+            let Request::Job(job) = request else { continue };
+            let changes = std::cell::RefCell::new(Vec::<Change<ScreenState>>::new());
+            let last = job.run(&|change| changes.borrow_mut().push(change));
+            changes.into_inner().into_iter().chain([last]).for_each(|change| change(model));
+        }
+    }
 }
 
 /// A picture of a terminal.

@@ -10,7 +10,8 @@ use hertzscope::measurement::compare::{Align, ComparedShot, compare};
 use hertzscope::recording::format::open;
 use hertzscope::recording::{Origin, TraceSet};
 use hertzscope::tui::axis::TurnDirection;
-use hertzscope::tui::model::{Action, JobState, Page, SidePanel as Beside};
+use hertzscope::tui::model::{Action, JobState, SidePanel as Beside};
+use hertzscope::tui::pages;
 
 /// The captures and their names, without those that no reader takes; none where they are not there.
 fn captures() -> Option<Vec<(String, TraceSet)>> {
@@ -51,10 +52,10 @@ fn look_at(name: &str, set: &TraceSet) {
             Action::OtherCursor,
             Action::Snap(TurnDirection::Up),
         ],
-        &[Action::Page(Page::Spectrum)],
-        &[Action::Page(Page::Map)],
-        &[Action::Page(Page::Xy)],
-        &[Action::Page(Page::Bench)],
+        &[Action::Page(pages::spectrum::SPECTRUM)],
+        &[Action::Page(pages::spectrum::MAP)],
+        &[Action::Page(pages::xy::PAGE)],
+        &[Action::Page(pages::bench::PAGE)],
         &[Action::Unit, Action::Math, Action::Truth, Action::Persistence],
     ];
     for way in ways {
@@ -154,11 +155,11 @@ fn a_bench_is_held_against_every_capture() {
     let mut session = Session::bench("magnet-0.61g");
     for (name, _) in sets {
         session.command(&format!("compare {name}"));
-        while matches!(session.model.questions().comparison, JobState::Busy(_)) {
+        while matches!(session.model.jobs.comparison, JobState::Busy(_)) {
             session.next();
         }
         let screen = draw(&session.model, 80, 24);
-        match &session.model.questions().comparison {
+        match &session.model.jobs.comparison {
             JobState::Done(found) => {
                 assert_eq!(found.comparison.verdict, "fail", "{name}");
                 assert!(screen.has("FAIL") && screen.has("corr"), "{name}");

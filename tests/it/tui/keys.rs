@@ -4,8 +4,11 @@ use super::bench::draw;
 use super::live::Session;
 use hertzscope::scope::Source;
 use hertzscope::tui::axis::TurnDirection;
+use hertzscope::tui::key::KeyPress;
 use hertzscope::tui::keys::{BindingScope, action, bindings, key_action, mouse_action};
-use hertzscope::tui::model::{Action, Page, Popup};
+use hertzscope::tui::model::{Action, Popup};
+use hertzscope::tui::pages;
+use hertzscope::tui::pages::PAGES;
 use hertzscope::tui::view::{self, layout::ScreenLayout};
 use ratatui::crossterm::event::{
     Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers, MouseButton, MouseEvent, MouseEventKind,
@@ -13,7 +16,7 @@ use ratatui::crossterm::event::{
 use ratatui::layout::Rect;
 
 fn press(code: KeyCode, modifiers: KeyModifiers) -> Option<Action> {
-    key_action(KeyEvent::new(code, modifiers), Popup::Scope)
+    key_action(KeyEvent::new(code, modifiers), Popup::Scope, None)
 }
 
 #[test]
@@ -36,9 +39,9 @@ fn keys_ask_for_what_their_labels_say() {
         (KeyCode::Char('z'), none, Action::Reset),
         (KeyCode::Char('l'), none, Action::Toggle(Popup::Log)),
         (KeyCode::Char('O'), none, Action::NextRecording),
-        (KeyCode::Char('r'), none, Action::Page(Page::Remote)),
-        (KeyCode::Char('y'), none, Action::Page(Page::Effects)),
-        (KeyCode::Char('h'), none, Action::Page(Page::HardCases)),
+        (KeyCode::Char('r'), none, Action::Page(pages::remote::PAGE)),
+        (KeyCode::Char('y'), none, Action::Page(pages::effects::PAGE)),
+        (KeyCode::Char('h'), none, Action::Page(pages::hard_cases::PAGE)),
     ] {
         assert_eq!(press(code, modifiers), Some(action), "{code:?} {modifiers:?}");
     }
@@ -64,12 +67,12 @@ fn shift_on_a_letter_makes_no_difference() {
 fn letting_go_of_a_key_does_nothing() {
     let mut event = KeyEvent::new(KeyCode::Char('q'), KeyModifiers::NONE);
     event.kind = KeyEventKind::Release;
-    assert_eq!(key_action(event, Popup::Scope), None);
+    assert_eq!(key_action(event, Popup::Scope, None), None);
 }
 
 #[test]
 fn in_a_panel_arrows_scroll_and_scope_keys_rest() {
-    let key = |code| key_action(KeyEvent::new(code, KeyModifiers::NONE), Popup::Log);
+    let key = |code| key_action(KeyEvent::new(code, KeyModifiers::NONE), Popup::Log, None);
     assert_eq!(key(KeyCode::Down), Some(Action::Scroll(TurnDirection::Down)));
     assert_eq!(key(KeyCode::Char('1')), None);
     assert_eq!(key(KeyCode::Char('q')), Some(Action::Quit));
@@ -80,6 +83,8 @@ fn no_key_has_two_meanings_in_one_place() {
     let keys: Vec<_> = bindings()
         .flat_map(|binding| binding.keys.iter().map(move |(key, _)| (binding.place, *key)))
         .collect();
+    let pages = PAGES.iter().map(|page| (BindingScope::Scope, KeyPress::letter(page.0.key)));
+    let keys: Vec<_> = keys.into_iter().chain(pages).collect();
     for (index, (place, key)) in keys.iter().enumerate() {
         for (other_place, other_key) in &keys[index + 1..] {
             let together = place == other_place
@@ -145,4 +150,14 @@ fn readings_are_turned_with_the_mouse() {
     ] {
         assert_eq!(at(text, kind), expected, "{text} {kind:?}");
     }
+}
+
+/// A page's own keys come before those of the traces.
+#[test]
+fn arrows_move_the_row_of_a_list() {
+    let key = |code, page| key_action(KeyEvent::new(code, KeyModifiers::NONE), Popup::Scope, page);
+    let list = Some(hertzscope::tui::pages::remote::PAGE);
+    assert_eq!(key(KeyCode::Down, list), Some(Action::Row(TurnDirection::Down, 1)));
+    assert_eq!(key(KeyCode::PageUp, list), Some(Action::Row(TurnDirection::Up, 10)));
+    assert_eq!(key(KeyCode::Down, None), Some(Action::VoltsPerDivision(TurnDirection::Up)));
 }

@@ -4,18 +4,19 @@
 use std::sync::mpsc::Receiver;
 use std::time::Duration;
 
-use super::bench::{after, draw};
+use super::bench::{after, compute, draw};
 use hertzscope::chain::LossKind;
 use hertzscope::recording::TraceSet;
 use hertzscope::scene::Scene;
 use hertzscope::scope::{AcquireMode, Coupling, Source, TriggerSource};
 use hertzscope::tui::axis::TurnDirection;
+use hertzscope::tui::job::Queue;
 use hertzscope::tui::model::knobs::BenchKnob;
-use hertzscope::tui::model::{
-    Action, Page, Palette, Request, RunState, ScreenState, SidePanel, update,
-};
+use hertzscope::tui::model::{Action, Palette, Request, RunState, ScreenState, SidePanel, update};
+use hertzscope::tui::pages;
 use hertzscope::tui::work::{ScreenEvent, Workers};
 use ratatui::layout::Size;
+use tui_input::InputRequest;
 
 /// Far longer than any strike takes.
 const TIMEOUT: Duration = Duration::from_secs(120);
@@ -56,8 +57,24 @@ impl Session {
 
     /// Waits until everything that was asked for has come.
     fn settle(&mut self) {
+        compute(&mut self.model);
+        let is_file = |request: &Request| match request {
+            Request::Job(job) => job.queue == Queue::File,
+            request => matches!(request, Request::Save(_)),
+        };
+        let writes = self.model.requests.iter().any(is_file);
         self.staff.serve(&mut self.model, SIZE);
-        while self.model.live().is_some_and(hertzscope::tui::model::LiveBench::is_waiting) {
+        while writes && self.model.notice.is_none() {
+            self.next();
+        }
+        while self
+            .model
+            .recordings
+            .front()
+            .live
+            .as_ref()
+            .is_some_and(hertzscope::tui::model::LiveBench::is_waiting)
+        {
             self.next();
         }
     }
@@ -66,6 +83,7 @@ impl Session {
     pub fn next(&mut self) {
         let news = self.news.recv_timeout(TIMEOUT).expect("an answer");
         news.apply(&mut self.model);
+        compute(&mut self.model);
         self.staff.serve(&mut self.model, SIZE);
     }
 }
@@ -77,7 +95,7 @@ fn knob(label: &str) -> usize {
 /// Selects a knob.
 fn choose(session: &mut Session, label: &str) {
     let wanted = Some(knob(label));
-    while session.model.live().map(|live| live.knob) != wanted {
+    while session.model.recordings.front().live.as_ref().map(|live| live.knob) != wanted {
         session.act(&[Action::NextKnob(TurnDirection::Up)]);
     }
 }
@@ -88,11 +106,11 @@ fn type_text(session: &mut Session, text: &str) {
 }
 
 fn scene(session: &Session) -> &Scene {
-    session.model.scene().expect("a bench")
+    session.model.recordings.front().scene.as_ref().expect("a bench")
 }
 
 fn peak(session: &Session) -> f64 {
-    let live = session.model.live().expect("a bench");
+    let live = session.model.recordings.front().live.as_ref().expect("a bench");
     let summary = live.summary.as_ref().expect("an impact");
     summary.sensors[0].first_peak.expect("a pulse").dynamic_n
 }
@@ -119,7 +137,7 @@ fn a_faster_striker_makes_a_higher_pulse_and_the_tuned_scene_says_so() {
     assert!(peak(&session) > 1.5 * force, "{} from {force}", peak(&session));
     // What is saved is a scene that stands on the one that was opened, and is the one that was
     // struck.
-    let text = session.model.live().expect("a bench").text();
+    let text = session.model.recordings.front().live.as_ref().expect("a bench").text();
     let saved = Scene::from_text("saved", "saved.toml", &text).expect("a sound scene");
     assert_eq!(saved.striker_speed(), Some(faster));
     assert!(text.starts_with("base = \"magnet-0.61g\"\n"), "{text}");
@@ -160,7 +178,7 @@ fn every_preload_is_a_knob() {
     let before = preload(&session);
     choose(&mut session, "force on top");
     session.act(&[Action::TurnKnob(TurnDirection::Up)]);
-    let notice = session.model.notice().expect("a word").to_owned();
+    let notice = session.model.notice.as_deref().expect("a word").to_owned();
     assert!(notice.contains("no force on top: E"), "{notice}");
     session.act(&[Action::TypeKnob]);
     assert_eq!(session.model.prompt(), "set chain.top.force ");
@@ -175,9 +193,13 @@ fn every_preload_is_a_knob() {
     let before = preload(&session);
     choose(&mut session, "magnet force");
     session.act(&[Action::TypeKnob]);
-    assert_eq!(session.model.notice(), Some("magnet force is off: o switches it on"));
+    assert_eq!(session.model.notice.as_deref(), Some("magnet force is off: o switches it on"));
     session.act(&[Action::Switch]);
-    assert!((preload(&session) - before - 1.0).abs() < 1e-9, "{:?}", session.model.notice());
+    assert!(
+        (preload(&session) - before - 1.0).abs() < 1e-9,
+        "{:?}",
+        session.model.notice.as_deref()
+    );
 
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("ring.toml");
@@ -189,8 +211,8 @@ fn every_preload_is_a_knob() {
         choose(&mut session, &format!("magnet {label}"));
         let before = preload(&session);
         session.act(&[Action::TurnKnob(TurnDirection::Down)]);
-        assert_ne!(preload(&session), before, "{label}: {:?}", session.model.notice());
-        let text = session.model.live().expect("a bench").text();
+        assert_ne!(preload(&session), before, "{label}: {:?}", session.model.notice.as_deref());
+        let text = session.model.recordings.front().live.as_ref().expect("a bench").text();
         let turned = if label == "force" { "force = \"1.82 N\"" } else { "distance = \"-0.3 mm\"" };
         assert!(text.contains(turned), "{text}");
         // Of force and distance, the panel shows what the scene says.
@@ -210,7 +232,7 @@ fn the_scopes_knobs_set_the_scope_while_it_runs() {
     // Half a division, on the front panel's steps of 0.04.
     session.act(&[Action::Position(TurnDirection::Up)]);
     let position = session.model.captures()[0].waveform.vertical.position;
-    assert_eq!(position, 2.52, "{:?}", session.model.notice());
+    assert_eq!(position, 2.52, "{:?}", session.model.notice.as_deref());
     session.act(&[Action::TimePerDivision { turn: TurnDirection::Down, anchor: 0.0 }]);
     assert_eq!(scene(&session).scope.time_base, 100e-6);
     session.act(&[Action::Coupling]);
@@ -228,11 +250,11 @@ fn the_scopes_knobs_set_the_scope_while_it_runs() {
 #[test]
 fn a_setting_that_the_scene_refuses_is_taken_back_and_told() {
     let mut session = Session::bench("magnet-0.61g");
-    let before = session.model.live().expect("a bench").text();
+    let before = session.model.recordings.front().live.as_ref().expect("a bench").text();
     session.command("set striker.speed -1 m/s");
-    let notice = session.model.notice().expect("a word about it").to_owned();
+    let notice = session.model.notice.as_deref().expect("a word about it").to_owned();
     assert!(notice.contains("speed"), "{notice}");
-    assert_eq!(session.model.live().expect("a bench").text(), before);
+    assert_eq!(session.model.recordings.front().live.as_ref().expect("a bench").text(), before);
     assert_eq!(session.model.captures().len(), 4);
 }
 
@@ -250,7 +272,7 @@ fn effects_are_switched_and_come_back_as_they_were() {
     assert!(
         scene(&session).spec.effects.loss(LossKind::Dashpot).is_some(),
         "{:?}",
-        session.model.notice()
+        session.model.notice.as_deref()
     );
 }
 
@@ -258,7 +280,9 @@ fn effects_are_switched_and_come_back_as_they_were() {
 fn an_armed_scope_takes_one_trigger_and_stops() {
     let mut session = Session::bench("magnet-0.61g");
     session.act(&[Action::Single]);
-    let acquisition = |session: &Session| session.model.live().expect("a bench").acquisition;
+    let acquisition = |session: &Session| {
+        session.model.recordings.front().live.as_ref().expect("a bench").acquisition
+    };
     assert_eq!(acquisition(&session), RunState::Armed);
     draw(&session.model, 80, 24).find("Armed");
     session.act(&[Action::Impact]);
@@ -273,17 +297,15 @@ fn a_stale_answer_is_let_go() {
     let mut session = Session::bench("magnet-0.61g");
     // The strikes of two turns are answered in the wrong order.
     update(&mut session.model, Action::TurnKnob(TurnDirection::Up));
-    let first = session.model.take_requests();
     update(&mut session.model, Action::Impact);
-    let second = session.model.take_requests();
-    let turn = |requests: &[Request]| match requests {
-        [Request::Strike(strike)] => strike.turn,
-        other => panic!("{other:?}"),
-    };
+    assert!(
+        matches!(session.model.take_requests().as_slice(), [Request::Job(job)] if job.queue == Queue::Bench)
+    );
+    // The strike at the start was the first.
     let shot = session.model.shot().cloned();
-    session.model.apply_strike_result(turn(&second), Err("the newest".to_owned()));
-    session.model.apply_strike_result(turn(&first), Err("stale".to_owned()));
-    assert_eq!(session.model.notice(), Some("the newest"));
+    session.model.apply_strike_result(3, Err("the newest".to_owned()));
+    session.model.apply_strike_result(2, Err("stale".to_owned()));
+    assert_eq!(session.model.notice.as_deref(), Some("the newest"));
     assert_eq!(session.model.shot().cloned(), shot);
 }
 
@@ -304,7 +326,7 @@ fn what_was_seen_is_saved_and_opens_again() {
     session.command("set striker.speed 0.5 m/s");
     for name in ["shot.mcap", "traces.csv", "tuned.toml", "screen.svg"] {
         session.command(&format!("write {}", file(name)));
-        let notice = session.model.notice().expect("a word about it");
+        let notice = session.model.notice.as_deref().expect("a word about it");
         assert!(notice.starts_with("wrote"), "{notice}");
     }
     let open = |name: &str| hertzscope::recording::format::open(std::path::Path::new(&file(name)));
@@ -319,7 +341,7 @@ fn what_was_seen_is_saved_and_opens_again() {
     assert!(picture.starts_with("<svg") && picture.contains(">Trig'd"), "no picture");
     session.command(&format!("write {}", file("shot.mcap")));
     // Nothing is replaced: the next number is taken.
-    assert!(session.model.notice().expect("a word").ends_with("shot-2.mcap"));
+    assert!(session.model.notice.as_deref().expect("a word").ends_with("shot-2.mcap"));
     assert_eq!(open("shot.mcap").expect("a recording"), recording);
 }
 
@@ -330,15 +352,15 @@ fn a_bench_held_against_its_own_recording_differs_by_less_than_a_level() {
     let mut session = Session::bench("magnet-0.61g");
     session.command(&format!("write {file}"));
     session.command(&format!("compare {file}"));
-    while session.model.questions().comparison.done().is_none() {
+    while session.model.jobs.comparison.done().is_none() {
         session.next();
     }
     let worst = |session: &Session| {
-        let compared = session.model.questions().comparison.done().expect("scores");
+        let compared = session.model.jobs.comparison.done().expect("scores");
         compared.comparison.channels.iter().map(|c| c.max_lsb).fold(0.0, f64::max)
     };
     assert!(worst(&session) < 1.0, "{}", worst(&session));
-    assert_eq!(session.model.page(), Page::Compare);
+    assert_eq!(session.model.page, Some(pages::compare::PAGE));
     // A faster striker is another measurement; the comparison follows the knob.
     session.command("set striker.speed 0.6 m/s");
     session.next();
@@ -361,7 +383,7 @@ fn knobs_on_a_recording_say_that_there_is_nothing_to_turn() {
         Action::Side(SidePanel::Knobs),
     ] {
         let model = after(super::bench::four_channels(), &[action]);
-        let notice = model.notice().unwrap_or_default();
+        let notice = model.notice.as_deref().unwrap_or_default();
         assert!(notice.contains("view SCENE"), "{action:?}: {notice}");
         assert!(model.is_selected(Source::Channel(1)));
     }
@@ -460,4 +482,46 @@ fn bands_follow_the_knobs() {
     session.act(&[Action::Bands]);
     let waveform = session.model.captures()[0].waveform.clone();
     assert!(session.model.bands(&waveform).is_none());
+}
+
+/// The beginning of a command is the command, unless several begin like that.
+#[test]
+fn the_beginning_of_several_commands_is_refused() {
+    let mut session = Session::bench("magnet-0.61g");
+    session.command("s striker.speed 0.6 m/s");
+    let notice = session.model.notice.clone().expect("a notice");
+    assert_eq!(notice, ":s is the beginning of :seek :scene :sensor :set");
+    assert!(session.model.recordings.front().live.as_ref().expect("a bench").settings().is_empty());
+    session.command("set striker.speed 0.6 m/s");
+    assert_eq!(scene(&session).striker_speed(), Some(0.6));
+    // The name of a command is the command, also where a longer one begins like it.
+    session.command("see 0.1 ms");
+    assert_eq!(session.model.page, Some(pages::bench::PAGE));
+}
+
+/// The command line has a cursor: letters are typed and deleted where it is.
+#[test]
+fn the_command_line_is_edited_at_its_cursor() {
+    let mut session = Session::bench("magnet-0.61g");
+    session.act(&[Action::Prompt("gto 1")]);
+    let edit = |request| Action::Edit(request);
+    session.act(&[edit(InputRequest::GoToStart), edit(InputRequest::GoToNextChar)]);
+    session.act(&[Action::Type('o')]);
+    assert_eq!(session.model.prompt(), "goto 1");
+    session.act(&[edit(InputRequest::GoToEnd), edit(InputRequest::DeletePrevWord)]);
+    assert_eq!(session.model.prompt(), "goto ");
+    draw(&session.model, 80, 24).find(":goto");
+}
+
+/// A no-break space and a decomposed accent are letters of a name like others.
+#[test]
+fn a_scene_in_any_folder_is_struck() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path().join("Messungen\u{a0}Fr\u{65}\u{301}\"d\\e");
+    std::fs::create_dir(&folder).expect("a folder");
+    let file = folder.join("bench.toml");
+    std::fs::write(&file, "base = \"magnet-0.61g\"\n").expect("a file");
+    let session = Session::bench(file.to_str().expect("a path"));
+    assert_eq!(session.model.notice, None);
+    assert_eq!(session.model.captures().len(), 4);
 }

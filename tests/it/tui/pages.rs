@@ -4,7 +4,10 @@ use super::bench::{after, channel, draw, four_channels, model, recording, step};
 use super::live::Session;
 use hertzscope::scope::Source;
 use hertzscope::tui::axis::TurnDirection;
-use hertzscope::tui::model::{Action, CursorKind, Page, Request, ScreenState, SidePanel, update};
+use hertzscope::tui::job::Queue;
+use hertzscope::tui::model::Page;
+use hertzscope::tui::model::{Action, CursorKind, Request, ScreenState, SidePanel, update};
+use hertzscope::tui::pages;
 use ratatui::style::Color;
 
 /// One pulse: a half sine of a volt from `start` (s), 100 µs long.
@@ -102,7 +105,7 @@ fn the_cursor_pair_on_two_sensors_tells_a_speed() {
     session.act(&[Action::MoveCursor(TurnDirection::Down); 160]);
     session.act(&[Action::Snap(TurnDirection::Up)]);
     let speed = session.model.cursor_reading().expect("cursors").speed.expect("a speed");
-    let live = session.model.live().expect("a bench");
+    let live = session.model.recordings.front().live.as_ref().expect("a bench");
     let summary = live.summary.as_ref().expect("an impact");
     let half = |s: &&hertzscope::experiment::outcome::Speed| {
         (s.from, s.to, s.estimator) == (14, 27, "half_rise")
@@ -132,7 +135,7 @@ fn the_speed_of_cursors_uses_the_plates_offsets() {
 #[test]
 fn the_spectrum_has_the_band_edges_of_the_scene() {
     let mut session = Session::bench("magnet-0.61g");
-    session.act(&[Action::Channel(2), Action::Page(Page::Spectrum)]);
+    session.act(&[Action::Channel(2), Action::Page(pages::spectrum::SPECTRUM)]);
     let chain = session.model.derived().chain.expect("two kinds take turns");
     // The paper's Table: f1, f2, f3 around 8.3, 11.8 and 14.4 kHz at this preload are those of
     // `bands`.
@@ -143,7 +146,8 @@ fn the_spectrum_has_the_band_edges_of_the_scene() {
     }
     // A line at 20 kHz stands at 20 kHz.
     let tone = channel(1, 0.5, 0.0, |time| (std::f64::consts::TAU * 20e3 * time).sin());
-    let model = after(model(recording(vec![vec![tone]])), &[Action::Page(Page::Spectrum)]);
+    let model =
+        after(model(recording(vec![vec![tone]])), &[Action::Page(pages::spectrum::SPECTRUM)]);
     let spectrum = model.derived().spectrum.clone().expect("asked for").expect("a spectrum");
     let bin = (0..spectrum.amplitude.len())
         .max_by(|a, b| spectrum.amplitude[*a].total_cmp(&spectrum.amplitude[*b]));
@@ -158,8 +162,10 @@ fn the_spectrum_has_the_band_edges_of_the_scene() {
 fn spectra_are_zoomed_and_moved() {
     let tone = channel(1, 0.5, 0.0, |time| (std::f64::consts::TAU * 20e3 * time).sin());
     let spectra = |actions: &[Action]| {
-        let model =
-            after(model(recording(vec![vec![tone.clone()]])), &[Action::Page(Page::Spectrum)]);
+        let model = after(
+            model(recording(vec![vec![tone.clone()]])),
+            &[Action::Page(pages::spectrum::SPECTRUM)],
+        );
         after(model, actions)
     };
     let band = |model: &ScreenState| model.band().expect("frequencies");
@@ -182,15 +188,15 @@ fn spectra_are_zoomed_and_moved() {
         columns.iter().all(|x| x.abs_diff(label + 3) <= 2) && !columns.is_empty(),
         "{columns:?}"
     );
-    let right = band(&after(closer.clone(), &[Action::Pan(TurnDirection::Down)]));
-    assert!((right.0 - low - (high - low) / 20.0).abs() < 1e-6, "half a division higher");
-    assert_eq!(band(&after(closer, &[Action::Reset])), whole);
+    let right = after(closer, &[Action::Pan(TurnDirection::Down)]);
+    assert!((band(&right).0 - low - (high - low) / 20.0).abs() < 1e-6, "half a division higher");
+    assert_eq!(band(&after(right, &[Action::Reset])), whole);
     let (low, high) = band(&spectra(&[zoom(TurnDirection::Up); 20]));
     assert!(low == 0.0 && (high / 500e3 - 1.0).abs() < 0.01, "{low} to {high}");
     let (low, high) = band(&spectra(&[zoom(TurnDirection::Down); 40]));
     assert!(high > low && low >= 0.0, "{low} to {high}");
     // The map shows the same band upward.
-    let map = spectra(&[zoom(TurnDirection::Down), Action::Page(Page::Map)]);
+    let map = spectra(&[zoom(TurnDirection::Down), Action::Page(pages::spectrum::MAP)]);
     assert_eq!(band(&map), band(&spectra(&[zoom(TurnDirection::Down)])));
 }
 
@@ -249,7 +255,7 @@ fn newtons_are_the_volts_through_the_sensor() {
     let forces = &session.model.captures()[0].waveform;
     assert_eq!(forces.preamble.y_unit, "N");
     let largest = forces.codes.iter().map(|c| forces.volts_of(*c)).fold(0.0, f64::max);
-    let live = session.model.live().expect("a bench");
+    let live = session.model.recordings.front().live.as_ref().expect("a bench");
     let felt = live.summary.as_ref().expect("an impact").sensors[0].largest_n;
     // 8 bits over 8 V/div-scale and 0.02 div of noise: two levels of 40 mV over the sensitivity.
     assert!((largest / felt - 1.0).abs() < 0.05, "{largest} N read, {felt} N felt");
@@ -258,9 +264,9 @@ fn newtons_are_the_volts_through_the_sensor() {
     let model = after(model(recording(vec![vec![step()]])), &[Action::Unit]);
     assert_eq!(model.captures()[0].waveform.preamble.y_unit, "V");
     assert!(
-        model.notice().expect("a word").contains("no calibration for CH1"),
+        model.notice.as_deref().expect("a word").contains("no calibration for CH1"),
         "{:?}",
-        model.notice()
+        model.notice.as_deref()
     );
 }
 
@@ -344,10 +350,17 @@ fn autoset_sets_the_scope_of_a_bench() {
     session.command("set scope.ch1.scale 5 V/div");
     session.command("set scope.ch3.scale 0.2 V/div");
     session.act(&[Action::Autoset, Action::Autoset]);
-    let scene = session.model.scene().expect("a bench");
+    let scene = session.model.recordings.front().scene.as_ref().expect("a bench");
     let window = session.model.recorded_window().expect("a window");
     assert_eq!(scene.scope.time_base, window.scale);
-    let summary = session.model.live().and_then(|live| live.summary.as_ref()).expect("an impact");
+    let summary = session
+        .model
+        .recordings
+        .front()
+        .live
+        .as_ref()
+        .and_then(|live| live.summary.as_ref())
+        .expect("an impact");
     let trigger = session.model.shot().and_then(|shot| shot.trigger_time).expect("a trigger");
     for sensor in &summary.sensors {
         let pulse = sensor.first_peak.as_ref().expect("a pulse");
@@ -362,7 +375,7 @@ fn autoset_sets_the_scope_of_a_bench() {
             (2.5..=7.5).contains(&swing),
             "{}: {swing} div, {:?}",
             waveform.source,
-            session.model.notice()
+            session.model.notice.as_deref()
         );
         assert_eq!(waveform.clipped(), 0, "{}", waveform.source);
     }
@@ -373,21 +386,20 @@ fn autoset_sets_the_scope_of_a_bench() {
 fn effects_and_hard_cases_are_computed_when_they_are_asked_for() {
     let mut session = Session::bench("magnet-0.61g");
     let model = &mut session.model;
-    for (action, expected) in [
-        (Action::Page(Page::Effects), Request::Ledger),
-        (Action::Page(Page::HardCases), Request::HardCases),
-    ] {
+    for action in [Action::Page(pages::effects::PAGE), Action::Page(pages::hard_cases::PAGE)] {
         update(model, action);
-        assert_eq!(model.take_requests(), [expected]);
+        let requests = model.take_requests();
+        assert!(matches!(requests.as_slice(), [Request::Job(job)] if job.queue == Queue::Study));
         draw(model, 80, 24).find("computing");
         update(model, Action::Back);
         update(model, action);
         assert!(model.take_requests().is_empty(), "asked twice");
         update(model, Action::Back);
     }
-    for (line, page) in [("effects", Page::Effects), ("hard-cases", Page::HardCases)] {
+    for (line, page) in [("effects", pages::effects::PAGE), ("hard-cases", pages::hard_cases::PAGE)]
+    {
         session.command(line);
-        assert_eq!(session.model.page(), page);
+        assert_eq!(session.model.page, Some(page));
     }
 }
 
@@ -395,15 +407,15 @@ fn effects_and_hard_cases_are_computed_when_they_are_asked_for() {
 fn escape_closes_one_thing_after_the_other_and_then_leaves() {
     let model = after(
         four_channels(),
-        &[Action::Side(SidePanel::Measurements), Action::Page(Page::Xy), Action::Prompt("")],
+        &[Action::Side(SidePanel::Measurements), Action::Page(pages::xy::PAGE), Action::Prompt("")],
     );
-    let steps: Vec<(Page, SidePanel, bool)> = (0..4)
+    let steps: Vec<(Option<Page>, SidePanel, bool)> = (0..4)
         .scan(model, |model, _| {
             update(model, Action::Back);
-            Some((model.page(), model.side(), model.is_running()))
+            Some((model.page, model.side(), model.is_running()))
         })
         .collect();
-    let (xy, scope) = (Page::Xy, Page::Scope);
+    let (xy, scope) = (Some(pages::xy::PAGE), None);
     let (measure, nothing) = (SidePanel::Measurements, SidePanel::Nothing);
     let expected = [
         (xy, measure, true),
@@ -412,4 +424,20 @@ fn escape_closes_one_thing_after_the_other_and_then_leaves() {
         (scope, nothing, false),
     ];
     assert_eq!(steps, expected);
+}
+
+/// The picture follows the mouse: dragged one division to the right, it shows lower frequencies.
+#[test]
+fn a_spectrum_dragged_to_the_right_shows_lower_frequencies() {
+    let tone = channel(1, 0.5, 0.0, |time| (1e5 * time).sin());
+    let zoom_in = Action::TimePerDivision { turn: TurnDirection::Down, anchor: 0.0 };
+    let spectrum = Action::Page(pages::spectrum::SPECTRUM);
+    let model = after(model(recording(vec![vec![tone]])), &[spectrum, zoom_in, zoom_in]);
+    let (low, high) = model.band().expect("a band");
+    let division = (high - low) / 10.0;
+    assert!(low > division, "there is room to the left");
+    let drag = [Action::Press { x: 0.0, y: 0.0 }, Action::Drag { x: 1.0, y: 0.0 }];
+    let (left, right) = after(model, &drag).band().expect("a band");
+    assert!((left - (low - division)).abs() < 1e-6 * high, "{left} {low} {division}");
+    assert!((right - (high - division)).abs() < 1e-6 * high, "{right} {high} {division}");
 }

@@ -1,11 +1,14 @@
 //! The model to screens. On 80 x 24 the graticule's top left cell is (9, 2).
 
+use std::path::Path;
+
 use super::bench::{after, channel, draw, four_channels, model, recording, spectrum, step};
 use hertzscope::recording::Origin;
 use hertzscope::tui::axis::TurnDirection;
-use hertzscope::tui::keys::{GROUPS, bindings, hints};
+use hertzscope::tui::keys::{TRACE_HINTS, bindings, groups};
 use hertzscope::tui::model::command::COMMANDS;
-use hertzscope::tui::model::{Action, Page, Palette, Popup, ScreenState};
+use hertzscope::tui::model::{Action, Palette, Popup, ScreenState};
+use hertzscope::tui::pages;
 use ratatui::style::{Color, Modifier};
 
 /// Column of division line `line`, counted from the left.
@@ -222,12 +225,16 @@ fn help_lists_every_key_and_command() {
         all += &draw(&model, 80, 24).text();
         model = after(model, &[Action::Scroll(TurnDirection::Down)]);
     }
-    for (label, help) in bindings().map(|b| (b.label, b.help)).chain(COMMANDS.iter().copied()) {
-        assert!(all.contains(label), "{label}");
-        assert!(all.contains(help), "{help}");
-    }
-    for (title, _) in GROUPS {
+    for (title, rows) in groups() {
         assert!(all.contains(title), "{title}");
+        for (label, help) in rows {
+            assert!(all.contains(&label), "{label}");
+            assert!(all.contains(help), "{help}");
+        }
+    }
+    for command in COMMANDS {
+        assert!(all.contains(&command.usage()), "{}", command.usage());
+        assert!(all.contains(command.help()), "{}", command.help());
     }
 }
 
@@ -240,10 +247,10 @@ fn a_search_in_the_help_leaves_what_it_finds() {
     assert!(text.contains("Keys with: cursor") && text.contains("c v"), "{text}");
     assert!(!text.contains("Tab Shift+Tab"), "{text}");
     // Enter keeps it for scrolling, Esc shows all keys again, the next one the scope.
-    let kept = after(found.clone(), &[Action::Submit]);
+    let kept = after(found, &[Action::Submit]);
     assert_eq!(kept.panel(), Popup::Help);
     assert!(!draw(&kept, 80, 24).text().contains("Tab Shift+Tab"));
-    let all = after(found, &[Action::Back]);
+    let all = after(four_channels(), &[&search[..], &[Action::Back]].concat());
     assert!(draw(&all, 80, 24).text().contains("Keys: / searches"));
     assert_eq!(after(all, &[Action::Back]).panel(), Popup::Scope);
 }
@@ -251,17 +258,21 @@ fn a_search_in_the_help_leaves_what_it_finds() {
 /// What the last line names on a page is a key there.
 #[test]
 fn hints_name_keys_that_exist() {
-    let pages = [Page::Scope, Page::Spectrum, Page::Map, Page::Xy, Page::Bench, Page::Compare];
-    let lists = [Page::HardCases, Page::Remote, Page::Accuracy, Page::Effects];
-    for page in pages.into_iter().chain(lists) {
-        for (keys, what) in hints(page) {
+    let check = |hints: &[(&str, &str)]| {
+        for (keys, what) in hints {
             for key in keys.split(' ') {
-                let known = bindings().any(|b| b.label.split_whitespace().any(|word| word == key));
-                assert!(known, "{key}: {what}");
+                let general =
+                    bindings().any(|b| b.label.split_whitespace().any(|word| word == key));
+                let of_page = pages::PAGES.iter().any(|page| page.0.key.to_string() == key);
+                assert!(general || of_page, "{key}: {what}");
             }
         }
+    };
+    check(TRACE_HINTS);
+    for page in pages::PAGES.iter().copied() {
+        check(page.0.hints);
         // Without a scene these two say that nothing can be run.
-        if matches!(page, Page::Accuracy | Page::Effects) {
+        if page == pages::accuracy::PAGE || page == pages::effects::PAGE {
             continue;
         }
         let screen = draw(&after(four_channels(), &[Action::Page(page)]), 80, 24);
@@ -274,7 +285,7 @@ fn hints_name_keys_that_exist() {
 fn xy_has_ch1_to_the_right() {
     let selected: [(&[Action], &str); 2] = [(&[], "CH2"), (&[Action::Channel(3)], "CH3")];
     for (select, upward) in selected {
-        let model = after(after(four_channels(), select), &[Action::Page(Page::Xy)]);
+        let model = after(after(four_channels(), select), &[Action::Page(pages::xy::PAGE)]);
         let text = draw(&model, 80, 24).text();
         assert!(text.contains(&format!("XY: {upward} upward, CH1 to the right")), "{text}");
     }
@@ -308,8 +319,9 @@ fn an_unknown_command_is_answered_in_full() {
     let typed: Vec<Action> = "foo".chars().map(Action::Type).collect();
     let actions = [&[Action::Prompt("")], &typed[..], &[Action::Submit]].concat();
     let text = draw(&after(four_channels(), &actions), 80, 24).text();
-    for (command, _) in COMMANDS {
-        let word = command.split(' ').next().expect("a word");
+    for command in COMMANDS {
+        let usage = command.usage();
+        let word = usage.split(' ').next().expect("a word");
         assert!(text.contains(word), "no {word} in {text}");
     }
 }
@@ -348,7 +360,7 @@ fn a_long_log_is_scrolled() {
 
 #[test]
 fn without_colours_no_cell_has_one() {
-    let set = four_channels().set().clone();
+    let set = four_channels().recordings.front().set.clone();
     let plain = ScreenState::new(set, "plain".to_owned(), Palette::Plain);
     let plain = after(plain, &[ZOOM_IN]);
     let screen = draw(&plain, 80, 24);
@@ -362,4 +374,17 @@ fn without_colours_no_cell_has_one() {
     // Traces are told apart by their dots: the selected one is solid, the others are not.
     assert_eq!(screen.cell(20, down(2)).symbol(), "⠉");
     assert_eq!(screen.cell(20, down(5)).symbol(), "⠁");
+}
+
+/// The page on the screen has the keys as the help shows them.
+#[test]
+fn the_page_on_the_screen_has_all_keys() {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/screen.md");
+    let page = std::fs::read_to_string(page).expect("a page");
+    for (title, rows) in groups() {
+        let rows: String =
+            rows.iter().map(|(keys, what)| format!("\n| `{keys}` | {what} |")).collect();
+        let expected = format!("| **{title}** | |{rows}\n");
+        assert!(page.contains(&expected), "docs/screen.md lacks\n{expected}");
+    }
 }

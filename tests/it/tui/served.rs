@@ -1,19 +1,22 @@
 //! The screen of a scope that is served somewhere else: what it shows, what its keys do there, and
 //! that nobody else notices.
 
-use std::io::{BufRead as _, BufReader, Write as _};
-use std::net::TcpListener;
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::net::{TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::Receiver;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use super::bench::draw;
+use super::bench::{compute, draw};
 use crate::server::Server;
-use hertzscope::client::{Address, Client};
+use hertzscope::client::{Address, Client, ClientTiming};
 use hertzscope::recording::mcap::read;
 use hertzscope::recording::{Origin, TraceSet};
 use hertzscope::scope::{Coupling, Source};
 use hertzscope::server::ServerOptions;
 use hertzscope::tui::axis::TurnDirection;
+use hertzscope::tui::job::with_reasons;
 use hertzscope::tui::model::{Action, Palette, RunState, ScreenState, SidePanel, update};
 use hertzscope::tui::work::served::ServedConnection;
 use hertzscope::tui::work::{ScreenEvent, Workers};
@@ -23,8 +26,17 @@ use ratatui::layout::Size;
 const TIMEOUT: Duration = Duration::from_secs(120);
 const SIZE: Size = Size { width: 80, height: 24 };
 
+/// Tries a line again quickly.
+const TIMING: ClientTiming = ClientTiming {
+    reply_timeout: Duration::from_secs(5),
+    poll_interval: Duration::from_millis(100),
+    retry_interval: Duration::from_millis(20),
+};
+
 fn connect(address: &str) -> Result<ServedConnection, String> {
-    ServedConnection::connect(&Address::Socket(address.to_owned()))
+    let address = Address::Socket(address.to_owned());
+    let connected = ServedConnection::connect(&address, TIMING, Arc::default());
+    connected.map_err(|error| with_reasons(&error))
 }
 
 /// A screen on a served scope.
@@ -47,7 +59,7 @@ impl Session {
         let (mut staff, news) = Workers::start(None, false);
         staff.watch(scope);
         let mut session = Self { model, staff, news };
-        session.wait_for(|model| model.scene().is_some());
+        session.wait_for(|model| model.recordings.front().scene.as_ref().is_some());
         session
     }
 
@@ -60,6 +72,7 @@ impl Session {
 
     fn act(&mut self, action: Action) {
         update(&mut self.model, action);
+        compute(&mut self.model);
         self.staff.serve(&mut self.model, SIZE);
     }
 
@@ -80,7 +93,9 @@ fn it_shows_what_the_scope_shows_and_its_keys_turn_the_scope() {
     let server = Server::at_rest();
     let mut lab = server.connect();
     let mut session = Session::on(&server);
-    session.wait_for(|model| model.live().is_some_and(|l| l.acquisition == RunState::Running));
+    session.wait_for(|model| {
+        model.recordings.front().live.as_ref().is_some_and(|l| l.acquisition == RunState::Running)
+    });
     draw(&session.model, 80, 24).find("i strikes the chain");
     session.wait_for(|model| draw(model, 80, 24).text().contains("Ready"));
     session.act(Action::Impact);
@@ -141,7 +156,9 @@ fn it_shows_what_the_scope_shows_and_its_keys_turn_the_scope() {
     let before = session.number();
     session.act(Action::Impact);
     session.wait_for(|model| model.shot().is_some_and(|shot| shot.number > before));
-    session.wait_for(|model| model.live().is_some_and(|l| l.acquisition == RunState::Stopped));
+    session.wait_for(|model| {
+        model.recordings.front().live.as_ref().is_some_and(|l| l.acquisition == RunState::Stopped)
+    });
     assert_eq!(lab.ask("BENC:STRI:SPE?"), "5.87E-1\n");
     // 0.587 m/s for 0.44 m/s: a force between the speed's power 1 of a preloaded chain and 6/5 of
     // an unloaded one.
@@ -149,7 +166,7 @@ fn it_shows_what_the_scope_shows_and_its_keys_turn_the_scope() {
     let speeds: f64 = 0.587 / 0.44;
     assert!((0.97 * speeds..1.03 * speeds.powf(1.2)).contains(&ratio), "{ratio}");
     // What is tuned is a scene.
-    let text = session.model.live().expect("a bench").text();
+    let text = session.model.recordings.front().live.as_ref().expect("a bench").text();
     let scene = hertzscope::scene::Scene::from_text("tuned", "tuned.toml", &text).expect("a scene");
     assert_eq!(scene.striker_speed(), Some(0.587));
     assert_eq!(scene.scope.channels[0].as_ref().expect("a channel").vertical.scale, 2.0);
@@ -173,7 +190,7 @@ fn nobody_else_notices() {
             news.apply(&mut session.model);
             records += 1;
         }
-        assert!(!session.model.notice().is_some_and(|word| word.contains("gone")));
+        assert!(!session.model.notice.as_deref().is_some_and(|word| word.contains("gone")));
     }
     assert_eq!(session.model.captures().len(), 4);
     assert_eq!(lab.ask("*ESR?;EVENT?"), "0;0\n");
@@ -187,7 +204,7 @@ fn a_scope_that_is_gone_is_told() {
     session.wait_for(|model| !model.captures().is_empty());
     drop(server);
     session.wait_for(|model| draw(model, 80, 24).text().contains("Lost"));
-    assert!(session.model.notice().expect("a word").contains("connection lost"));
+    assert!(session.model.notice.as_deref().expect("a word").contains("connection lost"));
     // What was seen stays, and keys harm nothing.
     for action in [Action::Impact, Action::VoltsPerDivision(TurnDirection::Up), Action::RunStop] {
         session.act(action);
@@ -249,16 +266,17 @@ fn a_hostile_scope_is_refused_in_one_short_line() {
 /// Records in reply to a query: lengths that do not fit, records without end, text without end.
 #[test]
 fn hostile_records_end_the_connection_and_not_the_memory() {
-    let replies: [(&[u8], &str); 5] = [
+    let replies: [(&[u8], &str); 6] = [
         (b":WFMP:X 1;:CURV #0\n", "a block without a length"),
         (b":WFMP:X 1;:CURV #9999999999", "a block without end"),
         (b":WFMP:X 1;:CURV #2x1", "a block without a length"),
         (b":WFMP:X 1;:CURV #11a;", "more records than a scope has"),
+        (b":WFMP:X 1;:CURV #11ab", "a block that is longer than its header says"),
         (b"CURV 1;", "a reply without end"),
     ];
     for (reply, expected) in replies {
-        let mut scope =
-            Client::connect(&Address::Socket(hostile(reply)), TIMEOUT).expect("a connection");
+        let mut scope = Client::connect(&Address::Socket(hostile(reply)), TIMEOUT, &Arc::default())
+            .expect("a connection");
         let refused = scope.ask_for_records("CURV?").expect_err("no records");
         assert!(refused.to_string().contains(expected), "{refused}");
     }
@@ -282,15 +300,15 @@ fn what_is_shown_is_compared_with_a_scene_and_recorded() {
         session.wait_for(|model| model.shot().is_some_and(|shot| shot.number == number));
         seen.push(session.model.captures()[2].waveform.codes.clone());
     }
-    session.wait_for(|model| model.questions().comparison.done().is_some());
+    session.wait_for(|model| model.jobs.comparison.done().is_some());
     // The scene states its uncertainty.
-    session.wait_for(|model| model.questions().bands.len() == 4);
+    session.wait_for(|model| model.jobs.bands.len() == 4);
     // Then the verdict goes by it, as in `compare`.
     session.wait_for(|model| {
-        let found = model.questions().comparison.done();
+        let found = model.jobs.comparison.done();
         found.is_some_and(|found| found.comparison.tolerance[0].contains("E_n"))
     });
-    let comparison = session.model.questions().comparison.done().expect("one").comparison.clone();
+    let comparison = session.model.jobs.comparison.done().expect("one").comparison.clone();
     assert_eq!((comparison.measured, comparison.channels.len()), (address, 4));
     assert_eq!((comparison.simulated.as_str(), comparison.verdict), ("magnet-0.61g", "pass"));
     draw(&session.model, 80, 24)
@@ -303,4 +321,87 @@ fn what_is_shown_is_compared_with_a_scene_and_recorded() {
         set.shots.iter().map(|shot| shot.captures[2].waveform.codes.clone()).collect();
     assert_eq!(recorded, seen);
     assert!(set.notes[&2].set_up.contains(":CH1:PROBE"));
+}
+
+/// The line fails in the middle of the first curve: the screen says so, connects again, and goes
+/// on.
+#[test]
+fn a_screen_connects_again_after_its_line_failed() {
+    let server = Server::at_rest();
+    let pulls = vec![(1, 100), (0, 0)];
+    let address = crate::client::lines::socket(
+        server.address,
+        pulls,
+        crate::client::lines::Failure::Closed,
+        || (),
+    );
+    let address = address.to_string();
+    let scope = connect(&address).expect("a scope");
+    let mut session = Session::with(scope, address);
+    session.act(Action::Impact);
+    session.wait_for(|model| draw(model, 80, 24).text().contains("Lost"));
+    assert!(session.model.notice.as_deref().expect("a notice").contains("trying again"));
+    session.act(Action::Impact);
+    assert_eq!(session.model.notice.as_deref(), Some("the scope is not connected: trying again"));
+    session.wait_for(|model| model.captures().len() == 4);
+    session.wait_for(|model| !draw(model, 80, 24).text().contains("Lost"));
+}
+
+/// In scan mode no acquisition is counted, and the record changes all the time.
+#[test]
+fn a_scope_that_scans_is_shown() {
+    let server = Server::at_rest();
+    let mut lab = server.connect();
+    assert_eq!(lab.ask("TRIG:MAI:MOD AUTO;:HOR:MAI:SCA 0.1;:ACQ:STATE RUN;STATE?"), "1\n");
+    let mut session = Session::on(&server);
+    session.wait_for(|model| model.captures().len() == 4);
+    assert_eq!(lab.ask("ACQ:NUMAC?"), "0\n");
+    // What it stopped with is a record, too.
+    assert_eq!(lab.ask("ACQ:STATE STOP;STATE?"), "0\n");
+    let mut session = Session::on(&server);
+    session.wait_for(|model| model.captures().len() == 4);
+}
+
+/// A served scope behind a line on which each reply takes `delay`; counts the time that it is busy.
+fn slow_line(server: &Server, delay: Duration) -> (String, Arc<AtomicU64>) {
+    let scope = server.address;
+    let port = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = port.local_addr().expect("an address").to_string();
+    let busy = Arc::new(AtomicU64::new(0));
+    let counted = Arc::clone(&busy);
+    std::thread::spawn(move || {
+        let (client, _) = port.accept().expect("a client");
+        let mut scope = TcpStream::connect(scope).expect("a scope");
+        let (mut from, mut to) =
+            (scope.try_clone().expect("one"), client.try_clone().expect("one"));
+        std::thread::spawn(move || {
+            let mut bytes = [0; 1 << 16];
+            while let Ok(count @ 1..) = from.read(&mut bytes) {
+                std::thread::sleep(delay);
+                counted.fetch_add(delay.as_micros() as u64, Ordering::Relaxed);
+                if to.write_all(&bytes[..count]).is_err() {
+                    return;
+                }
+            }
+        });
+        for line in BufReader::new(client).lines().map_while(Result::ok) {
+            scope.write_all(format!("{line}\n").as_bytes()).expect("a scope");
+        }
+    });
+    (address, busy)
+}
+
+/// Over a slow line the screen leaves the line free for commands most of the time.
+#[test]
+fn a_slow_line_is_mostly_free() {
+    let server = Server::at_rest();
+    let (address, busy) = slow_line(&server, Duration::from_millis(40));
+    let _session = Session::with(connect(&address).expect("a scope"), address);
+    let before = busy.load(Ordering::Relaxed);
+    let started = Instant::now();
+    std::thread::sleep(Duration::from_secs(4));
+    let busy = busy.load(Ordering::Relaxed) - before;
+    let share = busy as f64 * 1e-6 / started.elapsed().as_secs_f64();
+    // A quarter, and the replies that were on their way at both ends.
+    assert!(share < 0.3, "{share}");
 }

@@ -15,15 +15,12 @@ use super::bench::{Screen, after, channel, draw, four_channels, recording};
 use super::live::Session;
 use hertzscope::measurement::compare::score_limits::ScoreLimits;
 use hertzscope::measurement::compare::{Align, ComparedShot as Against, compare};
-use hertzscope::report;
 use hertzscope::studies::cost::{ChosenMethod, CostStudy, Point, Reference};
 use hertzscope::studies::effects::{Change, EffectState, EffectVerdict, Ledger, LedgerEntry};
 use hertzscope::studies::hard_cases::{CaseResult, CaseVerdict};
 use hertzscope::tui::axis::TurnDirection;
-use hertzscope::tui::model::background_jobs::JobAnswer;
-use hertzscope::tui::model::{
-    Action, JobState, Page, Palette, Popup, PrintedTables, ScreenState, SidePanel, update,
-};
+use hertzscope::tui::model::{Action, JobState, Palette, Popup, ScreenState, SidePanel, update};
+use hertzscope::tui::pages;
 use ratatui::style::{Color, Modifier};
 
 fn letter(colour: Color, reversed: bool) -> char {
@@ -64,6 +61,14 @@ fn written(screen: &Screen, (width, height): (u16, u16)) -> String {
     text
 }
 
+/// Takes out of the last impact what differs from machine to machine.
+fn clear_wall_time(model: &mut ScreenState) {
+    let live = model.recordings.front_mut().live.as_mut();
+    if let Some(summary) = live.and_then(|live| live.summary.as_mut()) {
+        summary.wall_s = 0.0;
+    }
+}
+
 fn check(name: &str, model: &ScreenState) {
     for size in [(80, 24), (200, 60)] {
         let found = written(&draw(model, size.0, size.1), size);
@@ -80,7 +85,7 @@ fn check(name: &str, model: &ScreenState) {
 /// A bench without what differs from machine to machine.
 fn bench() -> Session {
     let mut session = Session::bench("magnet-0.61g");
-    session.model.clear_wall_time();
+    clear_wall_time(&mut session.model);
     session
 }
 
@@ -100,7 +105,7 @@ fn made_up_traces() {
 
 #[test]
 fn without_colours() {
-    let set = four_channels().set().clone();
+    let set = four_channels().recordings.front().set.clone();
     let plain = ScreenState::new(set, "steel chain".to_owned(), Palette::Plain);
     check("plain", &after(plain, &[Action::Cursors, Action::Side(SidePanel::Measurements)]));
 }
@@ -110,7 +115,7 @@ fn the_bench_and_its_traces() {
     let shown = |actions: &[Action]| {
         let mut session = bench();
         session.act(actions);
-        session.model.clear_wall_time();
+        clear_wall_time(&mut session.model);
         session.model
     };
     check("bench-knobs", &shown(&[Action::Side(SidePanel::Knobs)]));
@@ -136,18 +141,18 @@ fn the_bench_and_its_traces() {
 #[test]
 fn pages_over_frequency_and_against_another_trace() {
     let mut session = bench();
-    session.act(&[Action::Channel(2), Action::Page(Page::Spectrum)]);
+    session.act(&[Action::Channel(2), Action::Page(pages::spectrum::SPECTRUM)]);
     check("spectrum", &session.model);
-    session.act(&[Action::Page(Page::Map)]);
+    session.act(&[Action::Page(pages::spectrum::MAP)]);
     check("map", &session.model);
-    session.act(&[Action::Page(Page::Xy)]);
+    session.act(&[Action::Page(pages::xy::PAGE)]);
     check("xy", &session.model);
 }
 
 #[test]
 fn the_chain_in_motion() {
     let mut session = bench();
-    session.act(&[Action::Page(Page::Bench)]);
+    session.act(&[Action::Page(pages::bench::PAGE)]);
     check("motion-rest", &session.model);
     session.command("seek 0.5 ms");
     check("motion", &session.model);
@@ -156,24 +161,27 @@ fn the_chain_in_motion() {
 #[test]
 fn the_comparison() {
     let mut session = bench();
-    session.act(&[Action::Compare]);
+    session.act(&[Action::Page(pages::compare::PAGE)]);
     check("compare-nothing", &session.model);
     let mut other = bench();
     other.command("set effects.magnet_preload.force 2 N");
     let side = |name: &'static str, session: &Session| {
-        (name, session.model.set().clone(), session.model.shot().expect("a shot").clone())
+        (
+            name,
+            session.model.recordings.front().set.clone(),
+            session.model.shot().expect("a shot").clone(),
+        )
     };
     let (here, there) = (side("lab", &session), side("bench", &other));
     let measured = Against { name: here.0, set: &here.1, shot: &here.2, scene: None };
     let simulated = Against { name: there.0, set: &there.1, shot: &there.2, scene: None };
     let tolerance = ScoreLimits::parse("rms=1lsb").expect("a tolerance");
     let compared = compare(measured, simulated, (Align::Arrival, &[]), &tolerance).expect("scores");
-    let answer = JobAnswer::Comparison(JobState::Done(Box::new(compared)));
-    session.model.apply_answer(answer);
+    session.model.jobs.comparison = JobState::Done(Box::new(compared));
     check("compare", &session.model);
-    session.act(&[Action::Channel(3), Action::Compare]);
+    session.act(&[Action::Channel(3), Action::Page(pages::compare::PAGE)]);
     check("compare-overlay", &session.model);
-    session.act(&[Action::Compare]);
+    session.act(&[Action::Page(pages::compare::PAGE)]);
     check("compare-difference", &session.model);
 }
 
@@ -224,8 +232,8 @@ fn entry(effect: &'static str, state: EffectState, peak: f64) -> LedgerEntry {
 #[test]
 fn accuracy() {
     let mut session = bench();
-    session.model.apply_answer(JobAnswer::Study(JobState::Busy(0.4)));
-    update(&mut session.model, Action::Page(Page::Accuracy));
+    session.model.jobs.study = JobState::Busy(0.4);
+    update(&mut session.model, Action::Page(pages::accuracy::PAGE));
     session.model.take_requests();
     check("accuracy-busy", &session.model);
     let study = CostStudy {
@@ -263,19 +271,15 @@ fn accuracy() {
         level: None,
         sample: 1e-3,
     };
-    session.model.apply_answer(JobAnswer::Study(JobState::Done(Box::new(study))));
+    session.model.jobs.study = JobState::Done(Box::new(study));
     check("accuracy", &session.model);
 }
 
 #[test]
 fn effects_and_hard_cases() {
     let mut session = bench();
-    session.model.print_with(PrintedTables {
-        effects: |ledger| report::effects(ledger, false),
-        hard_cases: |cases| report::hard_cases(cases, false),
-    });
-    session.model.apply_answer(JobAnswer::Ledger(JobState::Busy(0.4)));
-    update(&mut session.model, Action::Page(Page::Effects));
+    session.model.jobs.ledger = JobState::Busy(0.4);
+    update(&mut session.model, Action::Page(pages::effects::PAGE));
     session.model.take_requests();
     check("effects-busy", &session.model);
     let ledger = Ledger {
@@ -287,8 +291,8 @@ fn effects_and_hard_cases() {
             entry("plasticity", EffectState::Auto, 0.0),
         ],
     };
-    session.model.apply_answer(JobAnswer::Ledger(JobState::Done(Box::new(ledger))));
-    update(&mut session.model, Action::NextKnob(TurnDirection::Up));
+    session.model.jobs.ledger = JobState::Done(Box::new(ledger));
+    update(&mut session.model, Action::Row(TurnDirection::Down, 1));
     check("effects", &session.model);
     let case = |case, verdict| CaseResult {
         case,
@@ -305,8 +309,8 @@ fn effects_and_hard_cases() {
         case("second contact", CaseVerdict::Refused),
         case("chaos", CaseVerdict::Right),
     ];
-    session.model.apply_answer(JobAnswer::HardCases(JobState::Done(cases)));
-    update(&mut session.model, Action::Page(Page::HardCases));
-    update(&mut session.model, Action::Scroll(TurnDirection::Down));
+    session.model.jobs.hard_cases = JobState::Done(cases);
+    update(&mut session.model, Action::Page(pages::hard_cases::PAGE));
+    update(&mut session.model, Action::Row(TurnDirection::Down, 1));
     check("hard-cases", &session.model);
 }

@@ -1,6 +1,6 @@
 //! A snapshot of the settings of a served scope.
 
-use crate::client::displayed;
+use crate::client::{ScopeState, displayed};
 use crate::experiment::{Integration, facts};
 use crate::recording::set_file::SetFile;
 use crate::recording::{Capture, InstrumentIdentity, Origin, Shot, TraceSet};
@@ -21,10 +21,10 @@ pub fn model(instrument: &InstrumentIdentity) -> Option<Model> {
     oscilloscope(&instrument.model.to_lowercase()).ok().or_else(shipped)
 }
 
-/// Everything but the records, as it was told at one time.
+/// Everything but the records, at one time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ServedSnapshot {
-    short: String,
+    state: ScopeState,
     set_up: String,
     panel: SetFile,
     model: Model,
@@ -37,10 +37,10 @@ pub struct ServedSnapshot {
 }
 
 impl ServedSnapshot {
-    /// The acquisition as `short` tells it, and the front panel as text and as settings.
-    pub fn new((short, set_up): (String, String), panel: SetFile, model: Model) -> Self {
+    /// The state of the acquisition, and the front panel as text and as settings.
+    pub fn new(state: ScopeState, (set_up, panel): (String, SetFile), model: Model) -> Self {
         let (named, name, knobs) = (None, String::new(), Vec::new());
-        Self { short, set_up, panel, model, impacts: 0, named, name, knobs }
+        Self { state, set_up, panel, model, impacts: 0, named, name, knobs }
     }
 
     /// The number of impacts and the scene's name; a scene that ships is known here, too.
@@ -70,24 +70,20 @@ impl ServedSnapshot {
         self.knobs = told.split(';').filter_map(|value| value.parse().ok()).collect();
     }
 
-    /// Counter of acquisitions, for detecting a new record.
-    pub fn short(&self) -> &str {
-        &self.short
+    /// The state of the acquisition.
+    pub fn state(&self) -> &ScopeState {
+        &self.state
     }
 
-    /// Forgets that, so that the next look is a long one.
-    pub fn clear(&mut self) {
-        self.short.clear();
+    /// Whether the record changes all the time: in scan mode, where no acquisition is counted.
+    pub fn is_scanning(&self) -> bool {
+        self.state.trigger == "SCAN"
     }
 
-    fn field(&self, place: usize) -> &str {
-        self.short.split(';').nth(place).unwrap_or_default()
-    }
-
-    /// Whether a record has been taken since the scope runs; before, a query of one could be an
-    /// error.
+    /// Whether there may be a record. A scope that runs has none before its first acquisition, and
+    /// a query of it would be an error; one that was stopped may have that of a scan.
     pub fn has_records(&self) -> bool {
-        self.field(0).parse::<u32>().is_ok_and(|count| count > 0)
+        self.state.count > 0 || self.is_scanning() || !self.state.is_running
     }
 
     /// The traces that are on its screen.
@@ -210,16 +206,16 @@ impl ServedSnapshot {
 
     /// All of it for the screen, with new records if there are some.
     pub fn update(&self, bench: bool, records: Option<Vec<Capture>>) -> ServedUpdate {
-        let acquisition = match (self.field(1), self.field(2)) {
-            ("1", "SEQUENCE") => RunState::Armed,
-            ("1", _) => RunState::Running,
-            _ => RunState::Stopped,
+        let acquisition = match (self.state.is_running, self.state.is_single) {
+            (true, true) => RunState::Armed,
+            (true, false) => RunState::Running,
+            (false, _) => RunState::Stopped,
         };
         let scene = self.scene();
         let set = records.map(|captures| self.recording(scene.as_ref(), bench, captures));
         ServedUpdate {
             served: ServedScope {
-                state: self.field(3).to_owned(),
+                state: self.state.trigger.clone(),
                 scope: Some(Box::new(self.scope())),
                 bench,
             },
@@ -233,7 +229,7 @@ impl ServedSnapshot {
 
     /// The records with everything that is known about them.
     fn recording(&self, scene: Option<&Scene>, bench: bool, captures: Vec<Capture>) -> TraceSet {
-        let number = if bench { self.impacts } else { self.field(0).parse().unwrap_or(1) };
+        let number = if bench { self.impacts } else { self.state.count };
         let number = number.max(1);
         let origin = if bench { Origin::Simulated } else { Origin::Measured };
         let shot = Shot {

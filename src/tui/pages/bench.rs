@@ -9,15 +9,17 @@ use ratatui::layout::Rect;
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 
-use super::axes::put;
-use super::layout::ScreenLayout;
-use super::readout::compact;
-use super::{colour, message};
 use crate::recording::TrueSignal;
 use crate::scene::{Scene, Site};
 use crate::trace::Trace;
 use crate::tui::axis::Steps;
-use crate::tui::model::ScreenState;
+use crate::tui::model::{Action, DerivedPart, FilmScales, Page, PageSpec, ScreenState};
+use crate::tui::view::axes::put;
+use crate::tui::view::colours::colour;
+use crate::tui::view::layout::ScreenLayout;
+use crate::tui::view::layout::whole;
+use crate::tui::view::panel::message;
+use crate::tui::view::readout::compact;
 
 /// Eighths of a cell, from nothing to full.
 const EIGHTHS: [&str; 9] = [" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"];
@@ -30,40 +32,121 @@ const OUTLIER_DIVISOR: usize = 10;
 /// Columns left of the chain.
 const LABEL_COLUMNS: u16 = 9;
 
-/// The film of a shot: contacts from the top, each with its place in the chain.
+/// The page.
+pub const PAGE: Page = Page(&PageSpec {
+    name: "motion",
+    key: 'b',
+    help: "the chain in motion; Space , . < > work on it",
+    hints: &[
+        ("?", "help"),
+        ("Esc", "traces"),
+        ("Space", "play"),
+        (", .", "frame"),
+        ("< >", "slower, faster"),
+        (":", "seek TIME"),
+        ("n - +", "knob"),
+        ("w", "save"),
+    ],
+    act,
+    derive,
+    draw,
+    ..PageSpec::PLAIN
+});
+
+/// Steps from one end of the film to the other.
+const FILM_STEPS: f64 = 200.0;
+/// Slow motion of the film at speed 1: seconds of the bench in a second (1).
+const PLAYBACK_TIME_SCALE: f64 = 1e-3;
+
+/// The film is played, not the recording.
+fn act(model: &mut ScreenState, action: Action) -> bool {
+    let step = model.film_span().map(|(start, end)| (end - start) / FILM_STEPS);
+    match (action, step) {
+        (Action::RunStop, _) => model.play.running = !model.play.running,
+        (Action::Shot(turn), Some(step)) => model.seek(turn.sign() * step),
+        (Action::Tick(seconds), _) if model.play.running => {
+            model.seek(seconds * model.play.speed * PLAYBACK_TIME_SCALE);
+        }
+        _ => return false,
+    }
+    true
+}
+
+impl ScreenState {
+    /// Moves the bench's film by `seconds` of its own time (s); beyond its end it starts again.
+    pub(in crate::tui) fn seek(&mut self, seconds: f64) {
+        let Some((start, end)) = self.film_span() else { return };
+        let time = self.play.bench_time + seconds;
+        self.play.bench_time = if time > end {
+            start
+        } else if time < start {
+            end
+        } else {
+            time
+        };
+    }
+
+    /// First and last time of the film on the bench's own clock; none where the shot has none (s).
+    pub fn film_span(&self) -> Option<(f64, f64)> {
+        let is_contact =
+            |trace: &&Trace| matches!(TrueSignal::of(trace), Some(TrueSignal::Contact(_)));
+        let film = self.shot()?.truth.iter().find(is_contact)?;
+        Some((film.start, film.time(film.values.len().checked_sub(1)?)))
+    }
+}
+
+/// The motion of a shot: contacts and beads from the top, each with its place in the chain.
 struct Film<'a> {
     contacts: Vec<(usize, &'a Trace)>,
     beads: Vec<(usize, &'a Trace)>,
-    /// Top of the scale, above the static force (N).
-    strongest: f64,
+    scales: FilmScales,
 }
 
 /// Traces of one kind with their numbers, in order.
-fn numbered(model: &ScreenState, number: fn(TrueSignal) -> Option<usize>) -> Vec<(usize, &Trace)> {
-    let traces = model.shot().into_iter().flat_map(|shot| &shot.truth);
+fn numbered(truth: &[Trace], number: fn(TrueSignal) -> Option<usize>) -> Vec<(usize, &Trace)> {
+    let traces = truth.iter();
     let mut found: Vec<(usize, &Trace)> =
         traces.filter_map(|trace| Some((TrueSignal::of(trace).and_then(number)?, trace))).collect();
     found.sort_by_key(|(number, _)| *number);
     found
 }
 
+fn contact(signal: TrueSignal) -> Option<usize> {
+    match signal {
+        TrueSignal::Contact(contact) => Some(contact),
+        _ => None,
+    }
+}
+
+fn body(signal: TrueSignal) -> Option<usize> {
+    match signal {
+        TrueSignal::Displacement(body) => Some(body),
+        _ => None,
+    }
+}
+
 impl<'a> Film<'a> {
     fn of(model: &'a ScreenState) -> Option<Self> {
-        let contact = |signal| match signal {
-            TrueSignal::Contact(contact) => Some(contact),
-            _ => None,
-        };
-        let body = |signal| match signal {
-            TrueSignal::Displacement(body) => Some(body),
-            _ => None,
-        };
-        let contacts = numbered(model, contact);
+        let truth = &model.shot()?.truth;
+        let contacts = numbered(truth, contact);
+        let scales = model.derived().film?;
+        (!contacts.is_empty()).then(|| Self { contacts, beads: numbered(truth, body), scales })
+    }
+}
+
+/// The scales of the film, for a thread: they need all of it.
+fn derive(model: &ScreenState) -> Option<DerivedPart> {
+    let truth = model.shot()?.truth.clone();
+    Some(Box::new(move |derived| {
+        let contacts = numbered(&truth, contact);
         let mut dynamic: Vec<f64> = contacts.iter().map(|(_, trace)| largest(trace)).collect();
         dynamic.sort_by(f64::total_cmp);
         let place = dynamic.len().saturating_sub(1 + dynamic.len() / OUTLIER_DIVISOR);
         let strongest = dynamic.get(place).copied().unwrap_or(0.0);
-        (!contacts.is_empty()).then(|| Self { contacts, beads: numbered(model, body), strongest })
-    }
+        let beads = numbered(&truth, body);
+        let farthest = beads.iter().skip(1).map(|(_, trace)| largest(trace)).fold(0.0, f64::max);
+        derived.film = Some(FilmScales { strongest, farthest });
+    }))
 }
 
 /// The static force (N).
@@ -85,23 +168,26 @@ fn at(trace: &Trace, time: f64) -> Option<f64> {
 /// The largest change between two times (unit).
 fn farthest_between(trace: &Trace, from: f64, to: f64) -> f64 {
     let rest = rest(trace);
-    let inside = trace
-        .values
-        .iter()
-        .enumerate()
-        .filter(|(index, _)| (from..to).contains(&trace.time(*index)));
-    let changes = inside.map(|(_, value)| value - rest);
+    // Only frames between these times are looked at: this is called for every cell.
+    let frame = |time: f64| ((time - trace.start) / trace.interval).ceil().max(0.0) as usize;
+    let (first, end) = (frame(from), frame(to).min(trace.values.len()));
+    let inside = trace.values.get(first..end).unwrap_or_default();
+    let changes = inside.iter().map(|value| value - rest);
     changes.fold(0.0, |most: f64, change| if change.abs() > most.abs() { change } else { most })
 }
 
 /// Draws the page.
-pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
+fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let area = layout.page;
     let (Some(film), Some((start, end))) = (Film::of(model), model.film_span()) else {
-        let words = "this shot has no simulated motion: only simulations have it";
+        let words = if model.derived().is_pending {
+            "computing ..."
+        } else {
+            "this shot has no simulated motion: only simulations have it"
+        };
         return message(words, area, frame);
     };
-    let now = model.play().bench_time.clamp(start, end);
+    let now = model.play.bench_time.clamp(start, end);
     heading(model, &film, (now, end), frame, area);
     let free = area.height.saturating_sub(FIXED_ROWS);
     let bars = free.min((free / 2).max(3));
@@ -127,8 +213,8 @@ fn heading(
         Span::raw(format!("t {} of {}  ", compact(now, "s", 4), compact(end, "s", 3))),
         Span::raw(format!(
             "to +{}  {state}, {} ms/s",
-            compact(film.strongest, "N", 3),
-            model.play().speed
+            compact(film.scales.strongest, "N", 3),
+            model.play.speed
         )),
     ]);
     frame.render_widget(line, Rect { height: 1, ..area });
@@ -178,7 +264,7 @@ fn stripes_of(
                 continue;
             };
             let added = farthest_between(trace, from, to);
-            let (tone, style) = tone(model, added / film.strongest);
+            let (tone, style) = tone(model, added / film.scales.strongest);
             let place =
                 Rect { x: area.x + LABEL_COLUMNS + column, y: area.y + row, width: 1, height: 1 };
             put(frame.buffer_mut(), place, place.y, tone, style);
@@ -200,7 +286,7 @@ fn tone(model: &ScreenState, share: f64) -> (&'static str, Style) {
 fn bars_of(model: &ScreenState, film: &Film, now: f64, area: Rect, frame: &mut Frame) {
     let width = area.width.saturating_sub(LABEL_COLUMNS);
     let pressed = film.contacts.iter().map(|(_, trace)| rest(trace)).fold(0.0, f64::max);
-    let top = film.strongest + pressed;
+    let top = film.scales.strongest + pressed;
     let grey = Style::new().fg(colour(model.palette(), Color::Gray));
     let labels = Rect { width: LABEL_COLUMNS - 1, ..area };
     put(frame.buffer_mut(), labels, area.y, &compact(top, "N", 3), grey);
@@ -234,7 +320,7 @@ fn bars_of(model: &ScreenState, film: &Film, now: f64, area: Rect, frame: &mut F
 fn beads_of(model: &ScreenState, film: &Film, now: f64, area: Rect, frame: &mut Frame) {
     let width = area.width.saturating_sub(LABEL_COLUMNS);
     let count = film.beads.len();
-    let farthest = film.beads.iter().skip(1).map(|(_, trace)| largest(trace)).fold(0.0, f64::max);
+    let farthest = film.scales.farthest;
     let grey = Style::new().fg(colour(model.palette(), Color::Gray));
     put(frame.buffer_mut(), Rect { width: LABEL_COLUMNS - 1, ..area }, area.y, "beads", grey);
     for (place, (body, trace)) in film.beads.iter().enumerate() {
@@ -245,7 +331,7 @@ fn beads_of(model: &ScreenState, film: &Film, now: f64, area: Rect, frame: &mut 
             + u16::try_from(place * usize::from(width) / count.max(1)).unwrap_or(0);
         put(frame.buffer_mut(), Rect { x, width: 1, ..area }, area.y, sign, style);
     }
-    let Some(scene) = model.scene() else { return };
+    let Some(scene) = model.recordings.front().scene.as_ref() else { return };
     for sensor in &scene.sensors {
         let body = match sensor.site {
             Site::Particle(particle) => scene.chain.body_of(particle),
@@ -267,7 +353,8 @@ fn bead(model: &ScreenState, body: usize, moved: f64, farthest: f64) -> (&'stati
         let heaviest = bodies.iter().skip(1).map(|body| body.mass).fold(0.0, f64::max);
         bodies.get(body).is_some_and(|body| body.mass > 0.5 * heaviest)
     };
-    let sign = if model.scene().is_some_and(heavy) { "●" } else { "•" };
+    let sign =
+        if model.recordings.front().scene.as_ref().is_some_and(heavy) { "●" } else { "•" };
     let share = if farthest > 0.0 { moved / farthest } else { 0.0 };
     let wanted = if share > 0.05 {
         Color::LightRed
@@ -287,8 +374,7 @@ fn time_line(
     frame: &mut Frame,
 ) {
     let width = area.width.saturating_sub(LABEL_COLUMNS);
-    let done =
-        super::divisions::whole((now - start) / (end - start) * f64::from(width.saturating_sub(1)));
+    let done = whole((now - start) / (end - start) * f64::from(width.saturating_sub(1)));
     let line: String = (0..width)
         .map(|x| match x.cmp(&done) {
             Ordering::Equal => '●',

@@ -21,24 +21,24 @@ const MAX_MARKS: usize = 64;
 
 /// One axis: from where to where, and in what.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct DiagramAxis {
+pub(in crate::tui) struct DiagramAxis {
     /// Value at the left or at the bottom (unit).
-    pub(super) low: f64,
+    pub(in crate::tui) low: f64,
     /// Value at the right or at the top (unit).
-    pub(super) high: f64,
+    pub(in crate::tui) high: f64,
     /// Unit of both.
-    pub(super) unit: String,
+    pub(in crate::tui) unit: String,
     /// Whether equal distances are equal ratios.
-    pub(super) logarithmic: bool,
+    pub(in crate::tui) logarithmic: bool,
 }
 
 impl DiagramAxis {
-    pub(super) fn linear(low: f64, high: f64, unit: &str) -> Self {
+    pub(in crate::tui) fn linear(low: f64, high: f64, unit: &str) -> Self {
         let (low, high) = if high > low { (low, high) } else { (low - 0.5, low + 0.5) };
         Self { low, high, unit: unit.to_owned(), logarithmic: false }
     }
 
-    pub(super) fn logarithmic(low: f64, high: f64, unit: &str) -> Self {
+    pub(in crate::tui) fn logarithmic(low: f64, high: f64, unit: &str) -> Self {
         let high = if high > low { high } else { 10.0 * low };
         Self { low, high, unit: unit.to_owned(), logarithmic: true }
     }
@@ -85,7 +85,7 @@ type Dot = (usize, usize, Color);
 
 /// The diagram, filled dot by dot and drawn at the end.
 #[derive(Debug)]
-pub(super) struct Diagram {
+pub(in crate::tui) struct Diagram {
     area: Rect,
     inner: Rect,
     x: DiagramAxis,
@@ -97,7 +97,12 @@ pub(super) struct Diagram {
 
 impl Diagram {
     /// An empty diagram in `area`, with a grid of `grid_colour`.
-    pub(super) fn new(area: Rect, x: DiagramAxis, y: DiagramAxis, grid_colour: Color) -> Self {
+    pub(in crate::tui) fn new(
+        area: Rect,
+        x: DiagramAxis,
+        y: DiagramAxis,
+        grid_colour: Color,
+    ) -> Self {
         let inner = Rect {
             x: area.x + LABEL_COLUMNS,
             width: area.width.saturating_sub(LABEL_COLUMNS),
@@ -115,7 +120,7 @@ impl Diagram {
     }
 
     /// Where the dots are.
-    pub(super) fn inner(&self) -> Rect {
+    pub(in crate::tui) fn inner(&self) -> Rect {
         self.inner
     }
 
@@ -153,7 +158,7 @@ impl Diagram {
     }
 
     /// A line through `points`; in each column of dots from its lowest to its highest.
-    pub(super) fn line(&mut self, points: impl Iterator<Item = (f64, f64)>, colour: Color) {
+    pub(in crate::tui) fn line(&mut self, points: impl Iterator<Item = (f64, f64)>, colour: Color) {
         let mut before: Option<(usize, usize)> = None;
         for (x, y) in points {
             let Some(here) = self.place(x, y) else {
@@ -181,7 +186,7 @@ impl Diagram {
     }
 
     /// An upright line at `x`, dashed.
-    pub(super) fn upright(&mut self, x: f64, colour: Color) {
+    pub(in crate::tui) fn upright(&mut self, x: f64, colour: Color) {
         let (_, height) = self.size();
         if let Some((column, _)) = self.place(x, self.y.low) {
             self.dots.extend((0..height).filter(|y| y % 4 < 3).map(|y| (column, y, colour)));
@@ -189,7 +194,7 @@ impl Diagram {
     }
 
     /// A level line at `y`, dashed.
-    pub(super) fn level(&mut self, y: f64, colour: Color) {
+    pub(in crate::tui) fn level(&mut self, y: f64, colour: Color) {
         let (width, _) = self.size();
         if let Some((_, row)) = self.place(self.x.low, y) {
             self.dots.extend((0..width).filter(|x| x % 4 < 2).map(|x| (x, row, colour)));
@@ -197,7 +202,7 @@ impl Diagram {
     }
 
     /// Fills an upright strip from `low` to `high` thinly.
-    pub(super) fn shade(&mut self, low: f64, high: f64, colour: Color) {
+    pub(in crate::tui) fn shade(&mut self, low: f64, high: f64, colour: Color) {
         let (_, height) = self.size();
         let inside = |x: f64| x.clamp(self.x.low, self.x.high);
         let (Some((first, _)), Some((last, _))) =
@@ -211,7 +216,7 @@ impl Diagram {
     }
 
     /// The cell of a point, for a letter at it.
-    pub(super) fn cell(&self, x: f64, y: f64) -> Option<(u16, u16)> {
+    pub(in crate::tui) fn cell(&self, x: f64, y: f64) -> Option<(u16, u16)> {
         let (column, row) = self.place(x, y)?;
         let column = u16::try_from(column / 2).ok()?;
         let row = u16::try_from(row / 4).ok()?;
@@ -219,7 +224,13 @@ impl Diagram {
     }
 
     /// Writes `text` in the diagram, beginning at a point.
-    pub(super) fn write(&self, (x, y): (f64, f64), text: &str, style: Style, frame: &mut Frame) {
+    pub(in crate::tui) fn write(
+        &self,
+        (x, y): (f64, f64),
+        text: &str,
+        style: Style,
+        frame: &mut Frame,
+    ) {
         let Some((column, row)) = self.cell(x, y) else { return };
         let place = Rect { x: column, y: row, width: self.inner.right() - column, height: 1 };
         // Nothing of the dots below shows through.
@@ -227,7 +238,7 @@ impl Diagram {
     }
 
     /// Draws grid, dots and labels.
-    pub(super) fn draw(&self, label_colour: Color, frame: &mut Frame) {
+    pub(in crate::tui) fn draw(&self, label_colour: Color, frame: &mut Frame) {
         let canvas =
             Canvas::default().marker(Marker::Braille).x_bounds([0.0, 1.0]).y_bounds([0.0, 1.0]);
         let canvas = canvas.paint(|context| {

@@ -5,11 +5,28 @@ use ratatui::layout::Rect;
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::Span;
 
-use super::layout::ScreenLayout;
-use super::sheet::{Diagram, DiagramAxis};
-use super::{colour, colour_of, message};
 use crate::scope::Waveform;
-use crate::tui::model::{ScreenState, Visibility, ordinate_unit};
+use crate::tui::model::{Page, PageSpec, ScreenState, Visibility, ordinate_unit};
+use crate::tui::view::colours::{colour, colour_of};
+use crate::tui::view::diagram::{Diagram, DiagramAxis};
+use crate::tui::view::layout::ScreenLayout;
+use crate::tui::view::panel::message;
+
+/// The page.
+pub const PAGE: Page = Page(&PageSpec {
+    name: "xy",
+    key: 'x',
+    help: "XY: the selected trace against the first one",
+    hints: &[
+        ("?", "help"),
+        ("Esc", "traces"),
+        ("1-4", "vertical trace"),
+        (", .", "shot"),
+        ("w", "save"),
+    ],
+    draw,
+    ..PageSpec::PLAIN
+});
 
 /// Lowest and highest value with a little room (unit).
 fn range(waveform: &Waveform) -> (f64, f64) {
@@ -20,7 +37,7 @@ fn range(waveform: &Waveform) -> (f64, f64) {
 }
 
 /// Draws the page.
-pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
+fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let area = layout.page;
     let shown: Vec<&Waveform> = model
         .captures()

@@ -6,34 +6,46 @@ use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::Line;
 use ratatui::widgets::Paragraph;
 
-use super::axes::put;
-use super::divisions::whole;
-use super::layout::ScreenLayout;
-use super::sheet::{Diagram, DiagramAxis};
-use super::{colour, message};
-use crate::studies::cost::{ChosenMethod, CostStudy, Point};
-use crate::tui::model::{JobState, ScreenState};
+use super::study;
+use crate::studies::cost::{self, ChosenMethod, CostStudy, Point};
+use crate::tui::model::{Page, PageSpec, ScreenState};
+use crate::tui::view::axes::put;
+use crate::tui::view::colours::colour;
+use crate::tui::view::diagram::{Diagram, DiagramAxis};
+use crate::tui::view::layout::ScreenLayout;
 
 /// Errors that the plot reaches from (1).
 const MIN_ERROR: f64 = 1e-14;
 
-/// Draws the page.
-pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
-    let area = layout.page;
-    match &model.questions().study {
-        JobState::Done(study) => study_of(model, study, area, frame),
-        JobState::Busy(share) => busy("the work-precision study", *share, area, frame),
-        JobState::Failed(problem) => message(problem, area, frame),
-        JobState::Idle => message("another bench than was studied: k, k asks again", area, frame),
-    }
+/// The page.
+pub const PAGE: Page = Page(&PageSpec {
+    name: "accuracy",
+    key: 'k',
+    help: "work against precision of every method",
+    hints: &[("?", "help"), ("Esc", "traces"), ("y", "effects"), ("w", "save")],
+    is_wide: true,
+    opened,
+    draw,
+    ..PageSpec::PLAIN
+});
+
+/// Asks for the study, unless it is there.
+fn opened(model: &mut ScreenState) {
+    let Some(scene) = study::scene(model) else { return };
+    study::ask(
+        model,
+        |jobs| &mut jobs.study,
+        move |progress| cost::study(&scene, cost::TIMED_RUNS, progress).map(Box::new),
+    );
 }
 
-/// The running jobs with their progress.
-pub(super) fn busy(what: &str, share: f64, area: Rect, frame: &mut Frame) {
-    const WIDTH: usize = 20;
-    let done = usize::from(whole(share.clamp(0.0, 1.0) * 20.0));
-    let bar: String = (0..WIDTH).map(|i| if i < done { '━' } else { '─' }).collect();
-    message(&format!("computing {what} {bar} {:.0} %", 100.0 * share), area, frame);
+/// Draws the page.
+fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
+    let area = layout.page;
+    let words = ("the work-precision study", "the bench has changed: press k twice to compute it");
+    if let Some(study) = study::done(&model.jobs.study, words, area, frame) {
+        study_of(model, study, area, frame);
+    }
 }
 
 /// A letter and a colour for each method.
@@ -63,9 +75,12 @@ fn place_of(point: &Point) -> Option<(f64, f64)> {
 /// The choice of `--accuracy` nearest to the present setting.
 fn present<'a>(model: &ScreenState, study: &'a CostStudy) -> Option<&'a ChosenMethod> {
     let wanted = model
-        .live()
+        .recordings
+        .front()
+        .live
+        .as_ref()
         .and_then(|live| live.summary.as_ref()?.accuracy)
-        .or_else(|| Some(model.scene()?.accuracy))
+        .or_else(|| Some(model.recordings.front().scene.as_ref()?.accuracy))
         .unwrap_or(crate::scene::DEFAULT_ACCURACY);
     let distance = |chosen: &ChosenMethod| (chosen.accuracy.log10() - wanted.log10()).abs();
     study.chosen.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))

@@ -1,27 +1,137 @@
 //! The measurement against the simulation: both traces of the selected channel, their difference,
 //! and the scores of all.
 
+use std::sync::{Arc, PoisonError};
+
 use ratatui::Frame;
 use ratatui::layout::Rect;
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::Paragraph;
 
-use super::layout::ScreenLayout;
-use super::readout::compact;
-use super::sheet::{Diagram, DiagramAxis};
-use super::{colour, colour_of, message};
 use crate::measurement::compare::{ChannelScore, Compared};
 use crate::numeric::intervals::NORMAL_95;
 use crate::quantity::Uncertain;
+use crate::recording::TraceSet;
 use crate::scope::Source;
 use crate::trace::Trace;
-use crate::tui::model::{JobState, Overlay, ScreenState};
+use crate::tui::job::{Job, JobState, Queue, guarded};
+use crate::tui::model::comparison::{LoadedSide, ShownSide, compared, predicted};
+use crate::tui::model::{Action, Overlay, Page, PageSpec, ScreenState};
+use crate::tui::view::colours::{colour, colour_of};
+use crate::tui::view::diagram::{Diagram, DiagramAxis};
+use crate::tui::view::layout::ScreenLayout;
+use crate::tui::view::panel::message;
+use crate::tui::view::readout::compact;
+
+/// The page.
+pub const PAGE: Page = Page(&PageSpec {
+    name: "comparison",
+    key: 'd',
+    help: "comparison: both, overlay, difference, off",
+    hints: &[
+        ("?", "help"),
+        ("Esc", "traces"),
+        ("d", "overlay, difference"),
+        ("1-4", "channel"),
+        ("↑ ↓", "V/div"),
+        (", .", "shot"),
+        ("w", "save"),
+    ],
+    is_wide: true,
+    opened: |model| {
+        model.overlay = Overlay::Both;
+        model.compare_again();
+    },
+    shot_changed: ScreenState::compare_again,
+    act: next_overlay,
+    draw,
+    ..PageSpec::PLAIN
+});
+
+/// The key that opened the page shows its next view first.
+fn next_overlay(model: &mut ScreenState, action: Action) -> bool {
+    if action != Action::Page(PAGE) {
+        return false;
+    }
+    model.overlay = match model.overlay {
+        Overlay::Both => Overlay::Traces,
+        Overlay::Traces => Overlay::Difference,
+        Overlay::Difference => return false,
+    };
+    true
+}
+
+impl ScreenState {
+    /// Compares what is on screen with `other`: a recording, a folder, or a scene.
+    pub fn compare_with(&mut self, other: String) {
+        self.compared_with = Some(other);
+        self.jobs.comparison = JobState::Busy(0.0);
+        self.page = Some(PAGE);
+        self.compare_again();
+    }
+
+    /// Compares another shot with what the last one was compared with; without a shot that waits
+    /// for one.
+    pub(in crate::tui) fn compare_again(&mut self) {
+        let (Some(other), Some(shot)) = (self.compared_with.clone(), self.shot()) else { return };
+        let front = self.recordings.front();
+        let set = TraceSet {
+            shots: vec![shot.clone()],
+            metadata: front.set.metadata.clone(),
+            attachments: front.set.attachments.clone(),
+            ..TraceSet::default()
+        };
+        let is_bench = front.live.as_ref().is_some_and(|live| live.served.is_none());
+        let shown = ShownSide { name: front.title.clone(), set, is_bench };
+        let side = Arc::clone(&self.other_side);
+        self.ask(Job::new(
+            Queue::Comparison,
+            move |report| {
+                let mut side = side.lock().unwrap_or_else(PoisonError::into_inner);
+                if side.as_ref().is_none_or(|side| side.name != other) {
+                    *side = Some(LoadedSide::load(&other)?);
+                    // Those of another scene do not belong to this one.
+                    report(Box::new(|model: &mut Self| model.jobs.bands.clear()));
+                }
+                let side = side.as_mut().ok_or("there is nothing to compare with")?;
+                let found = compared(&shown, side)?;
+                if !side.is_uncertain || side.predicted.is_some() {
+                    return Ok(found);
+                }
+                report(Box::new(|model: &mut Self| {
+                    model.jobs.comparison = JobState::Done(Box::new(found));
+                }));
+                match guarded(|| predicted(&side.name)) {
+                    Ok(predicted) => {
+                        let bands = predicted.bands.clone();
+                        report(Box::new(|model: &mut Self| model.jobs.bands = bands));
+                        side.predicted = Some(predicted);
+                    }
+                    Err(problem) => {
+                        side.is_uncertain = false;
+                        let notice = format!("no bands of {}: {problem}", side.name);
+                        report(Box::new(|model: &mut Self| model.set_notice(notice)));
+                    }
+                }
+                compared(&shown, side)
+            },
+            |model: &mut Self, found: Result<Compared, String>| {
+                model.jobs.comparison = found.map(Box::new).into();
+            },
+        ));
+    }
+
+    /// The other side of the comparison, if any.
+    pub fn compared_with(&self) -> Option<&str> {
+        self.compared_with.as_deref()
+    }
+}
 
 /// Draws the page.
-pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
+fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
     let area = layout.page;
-    let compared = match &model.questions().comparison {
+    let compared = match &model.jobs.comparison {
         JobState::Done(compared) => compared,
         JobState::Failed(problem) => {
             return message(&format!("cannot compare: {problem}"), area, frame);
@@ -48,7 +158,7 @@ pub(super) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame
     let diagrams = Rect { y: heading.bottom(), height, ..area };
     frame.render_widget(Paragraph::new(lines), heading);
     let place = chosen(model, compared);
-    match model.overlay() {
+    match model.overlay {
         Overlay::Traces => traces(model, (compared, place), diagrams, frame),
         Overlay::Difference => difference(model, (compared, place), diagrams, frame),
         Overlay::Both => {
@@ -124,7 +234,7 @@ fn traces(
     let grid = colour(model.palette(), Color::DarkGray);
     let mut sheet =
         Diagram::new(area, times(&pair.measured), DiagramAxis::linear(low, high, "V"), grid);
-    let band = model.questions().bands.iter().find(|band| band.channel == score.against);
+    let band = model.jobs.bands.iter().find(|band| band.channel == score.against);
     for edge in band.into_iter().flat_map(|band| [&band.low_v, &band.high_v].map(|v| (band, v))) {
         let (band, values) = edge;
         let at = |index: usize| band.start_s + score.shift_s + index as f64 * band.interval_s;
