@@ -6,14 +6,11 @@ use anyhow::Context as _;
 use clap::Args;
 use serde_json::json;
 
-use super::acquire::one_shot;
 use super::input::{ReadingArguments, no_capture};
 use super::picture;
 use crate::files;
 use crate::measurement::arrivals::survey;
 use crate::measurement::statistics::statistics;
-use crate::recording::TraceSet;
-use crate::recording::format::for_each_shot;
 use crate::report;
 
 /// Show when the first pulse arrived at each channel, its speed, and how well shots repeat; with
@@ -42,22 +39,14 @@ fn csv(text: &str) -> Result<PathBuf, String> {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let (mut surveys, mut problems) = (Vec::new(), Vec::new());
-    let reading = &arguments.reading;
-    let mut take = |mut set: TraceSet| {
-        problems = std::mem::take(&mut set.problems);
-        reading.apply(&mut set)?;
+    let mut recording = arguments.reading.open_recording(&arguments.file)?;
+    let problems = recording.facts().problems.clone();
+    let mut surveys = Vec::new();
+    arguments.reading.for_each_shot(&mut recording, |set| {
         let shots = set.shots.iter().filter(|shot| !shot.captures.is_empty());
-        surveys.extend(shots.map(|shot| survey(&set, shot)));
-        anyhow::Ok(())
-    };
-    match reading.selection.shot() {
-        Some(number) => take(reading.table.open_shot(&arguments.file, number)?)?,
-        None => match one_shot(&arguments.file)? {
-            Some(set) => take(set)?,
-            None => for_each_shot(&arguments.file, &reading.table.columns(), take)?,
-        },
-    }
+        surveys.extend(shots.map(|shot| survey(set, shot)));
+        Ok(())
+    })?;
     if surveys.is_empty() {
         return Err(no_capture(&problems));
     }

@@ -7,7 +7,7 @@ use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
 
 use super::budget::DrawArguments;
-use super::input::{Selection, TableArguments, assignment, shot};
+use super::input::{Selection, TableArguments, assignment, channels, shot};
 use super::overwrite::ending;
 use super::progress::JobProgress;
 use super::sensor::{SensorAssignment, wire_all, wired};
@@ -18,6 +18,7 @@ use crate::measurement::compare::score_limits::ScoreLimits;
 use crate::measurement::compare::{Align, Compared, ComparedShot, compare};
 use crate::predict::{NormalisedError, judge, normalised_errors};
 use crate::recording::format::{Format, open_shot};
+use crate::recording::tek_csv::TableColumns;
 use crate::recording::{TraceSet, mcap};
 use crate::report;
 use crate::report::document::{Part, html, markdown};
@@ -100,7 +101,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     let mut set = arguments.table.open_shot(&arguments.measured, number)?;
     arguments.selection.keep_channels(&mut set)?;
-    wire_all(&mut set, &arguments.sensor)?;
+    let names = channels(&set);
+    wire_all(&mut set, &names, &arguments.sensor)?;
     let simulation = Simulation::of(arguments)?;
     let name = arguments.measured.display().to_string();
     let measured =
@@ -170,7 +172,7 @@ impl Simulation {
     fn of(arguments: &Arguments) -> anyhow::Result<Self> {
         let path = Path::new(&arguments.simulated);
         if Format::of(path).is_some() {
-            let set = open_shot(path, arguments.simulated_shot)?;
+            let set = open_shot(path, arguments.simulated_shot, &TableColumns::default())?;
             return Ok(Self { set, shot: arguments.simulated_shot, scene: None });
         }
         let scene = Scene::load(&arguments.simulated)?;

@@ -82,7 +82,8 @@ fn record(file: &Path, scene: &Scene, study: &CostStudy) -> anyhow::Result<()> {
         media_type: "application/json".to_owned(),
         data: serde_json::to_vec_pretty(study)?,
     };
-    let attachments = [facts::scene_attachment(&scene), study];
+    let attachments: Vec<Attachment> =
+        facts::scene_attachments(&scene).into_iter().chain([study]).collect();
     let known = facts::facts(&scene, integration)?;
     let mut writer = RecordingWriter::create(file, &known, &attachments)?;
     writer.add(&outcome.shot, &facts::shot_notes(&scene, &outcome))?;

@@ -88,7 +88,7 @@ fn write(folder: &NewFolder, study: &PaperStudy) -> anyhow::Result<()> {
 
 fn record(file: &Path, run: &FigureRun) -> anyhow::Result<()> {
     let known = facts::facts(&run.scene, run.integration)?;
-    let attachments = [facts::scene_attachment(&run.scene)];
+    let attachments = facts::scene_attachments(&run.scene);
     let mut writer = RecordingWriter::create(file, &known, &attachments)?;
     writer.add(&run.outcome.shot, &facts::shot_notes(&run.scene, &run.outcome))?;
     writer.finish()?;

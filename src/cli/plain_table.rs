@@ -6,7 +6,7 @@ use anyhow::bail;
 
 use super::input::no_capture;
 use crate::measurement::force::forces;
-use crate::quantity::engineering;
+use crate::quantity::{engineering, printable_line};
 use crate::recording::{Shot, TraceSet, TrueSignal};
 use crate::trace::Trace;
 
@@ -35,7 +35,8 @@ pub fn plain_table(set: &TraceSet, content: TableContent) -> anyhow::Result<Stri
     let Some(first) = shots.first() else {
         return Err(no_capture(&set.problems));
     };
-    let names = columns(set, first, content)?.iter().map(|c| c.name.clone()).collect::<Vec<_>>();
+    let names: Vec<String> =
+        columns(set, first, content)?.iter().map(|c| printable_line(&c.name).into()).collect();
     let several = shots.len() > 1;
     let abscissa = if first.captures.iter().any(|c| c.waveform.preamble.x_unit == "s") {
         "time_s"
@@ -46,7 +47,7 @@ pub fn plain_table(set: &TraceSet, content: TableContent) -> anyhow::Result<Stri
     let mut text = format!("{shot_name}{abscissa},{}\n", names.join(","));
     for shot in &shots {
         let columns = columns(set, shot, content)?;
-        if !columns.iter().map(|column| &column.name).eq(&names) {
+        if !columns.iter().map(|c| printable_line(&c.name)).eq(names.iter().map(String::as_str)) {
             bail!(
                 "shot {} has other channels than shot {}: choose them with --channel, or shots with --shot",
                 shot.number,

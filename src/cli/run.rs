@@ -97,7 +97,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     // Before the recording tells what it is of.
     let scene = resolve_auto_effects(&scene, integration);
     let known = facts::facts(&scene, integration)?;
-    let attachments = [facts::scene_attachment(&scene)];
+    let attachments = facts::scene_attachments(&scene);
     // Before the work, so that a folder that cannot be written to costs no simulation.
     let mut writer = if let Some(file) = arguments.output.as_deref() {
         RecordingWriter::create(is_recording(file)?, &known, &attachments)?

@@ -1,5 +1,7 @@
 //! `--sensor CH1=FILE`: which sensor a recording's channel was wired to.
 
+use std::collections::BTreeSet;
+
 use anyhow::bail;
 
 use crate::data;
@@ -27,17 +29,15 @@ pub fn wired(text: &str) -> Result<SensorAssignment, String> {
     }
 }
 
-/// Notes all of them in `set`.
-pub fn wire_all(set: &mut TraceSet, wires: &[SensorAssignment]) -> anyhow::Result<()> {
+/// Notes all of them in `set`, whose shots have the channels `names`.
+pub fn wire_all(
+    set: &mut TraceSet,
+    names: &BTreeSet<String>,
+    wires: &[SensorAssignment],
+) -> anyhow::Result<()> {
     for SensorAssignment { channel, sensor } in wires {
-        let mut names: Vec<String> = set
-            .shots
-            .iter()
-            .flat_map(|shot| &shot.captures)
-            .map(|capture| capture.waveform.source.to_string())
-            .collect();
         if !names.iter().any(|name| name.eq_ignore_ascii_case(channel)) {
-            names.dedup();
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
             bail!("found no channel {channel}, expected one of {}", names.join(", "));
         }
         let Some(found) = plates::load(sensor)? else {

@@ -277,7 +277,7 @@ fn create_recording(file: &Path, scene: &Scene) -> anyhow::Result<RecordingWrite
         let times = "of messages: nanoseconds since 1970; of records: seconds after the trigger; of the truth: seconds after the striker's first contact";
         recording.insert("time_base".to_owned(), times.to_owned());
     }
-    Ok(RecordingWriter::create_live(file, &known, &[facts::scene_attachment(scene)])?)
+    Ok(RecordingWriter::create_live(file, &known, &facts::scene_attachments(scene))?)
 }
 
 /// A message for every line on standard input, until it ends.

@@ -14,7 +14,7 @@ use super::overwrite::ending;
 use crate::client::{Address, ClientTiming};
 use crate::recording::TraceSet;
 use crate::recording::format::Format;
-use crate::recording::mcap::indexed_recording::IndexedRecording;
+use crate::recording::mcap::IndexedRecording;
 use crate::scene::Scene;
 use crate::tui::work::served::ServedConnection;
 use crate::tui::{self, ViewSource};

@@ -87,8 +87,18 @@ pub fn distances(set: &TraceSet) -> Vec<RecordedDistance> {
 /// there.
 pub fn scene(set: &TraceSet) -> Option<Result<Scene, SceneError>> {
     let attachment = set.attachments.iter().find(|a| a.media_type == "application/toml")?;
-    let text = String::from_utf8_lossy(&attachment.data);
     let name = attachment.name.strip_suffix(".toml").unwrap_or(&attachment.name);
+    attached_scene(set, name)
+}
+
+/// The attached scene `name`: the merged one, which needs no other file, or in recordings of older
+/// versions the scene as typed.
+fn attached_scene(set: &TraceSet, name: &str) -> Option<Result<Scene, SceneError>> {
+    let attachment = [".merged.toml", ".toml"].into_iter().find_map(|ending| {
+        let file = format!("{name}{ending}");
+        set.attachments.iter().find(|attachment| attachment.name == file)
+    })?;
+    let text = String::from_utf8_lossy(&attachment.data);
     Some(Scene::from_text(name, &attachment.name, &text))
 }
 
@@ -102,12 +112,9 @@ pub fn scene_of(set: &TraceSet, shot: u32) -> Option<Result<Scene, SceneError>> 
         return scene(set);
     };
     let name = facts.get("scene")?;
-    let file = format!("{name}.toml");
-    let attachment = set.attachments.iter().find(|attachment| attachment.name == file)?;
-    let text = String::from_utf8_lossy(&attachment.data);
     let knob = |key: &str| facts.get(key)?.parse().ok();
     let (mass, speed) = (knob("striker_mass_kg"), knob("striker_speed_m_s"));
-    match Scene::from_text(name, &file, &text) {
+    match attached_scene(set, name)? {
         Ok(scene) => Some(Ok(scene.altered(mass, speed, knob("magnet_force_n")).ok()?)),
         Err(error) => Some(Err(error)),
     }

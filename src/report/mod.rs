@@ -42,7 +42,7 @@ pub use arrivals::arrivals;
 pub use budget_picture::budget_picture;
 pub use chart::chart;
 pub use comparison::{comparison, comparison_facts, comparison_parts};
-pub use contents::{contents, contents_after, contents_before, contents_of};
+pub use contents::{contents_after, contents_before, contents_of};
 pub use dark::on_dark;
 pub use dispersion::{bands, bands_curve};
 pub use effects::{effects, effects_svg, effects_table};

@@ -81,6 +81,8 @@ pub struct Texts {
     all: Vec<Arc<str>>,
     /// Their hash, computed on first use.
     hash: OnceLock<String>,
+    /// All of them merged, as one scene.
+    merged: Option<Arc<str>>,
 }
 
 impl PartialEq for Texts {
@@ -94,6 +96,17 @@ impl Texts {
     pub(super) fn add(&mut self, text: &Arc<str>) {
         self.all.push(Arc::clone(text));
         self.hash = OnceLock::new();
+    }
+
+    /// All of them merged, as a scene that is based on no other file; none of a scene whose values
+    /// were changed after it was read.
+    pub fn merged(&self) -> Option<&str> {
+        self.merged.as_deref()
+    }
+
+    /// Sets the merged scene.
+    pub(super) fn set_merged(&mut self, merged: Option<&str>) {
+        self.merged = merged.map(Into::into);
     }
 
     /// SHA-256 over all of them, in hexadecimal. Computed when first asked for: a run that keeps no

@@ -301,6 +301,29 @@ pub fn remove_model(table: &mut Node, kind: &str) {
     }
 }
 
+/// Whether the file `kind/name` ships with the program.
+pub fn is_shipped(kind: &str, name: &str) -> bool {
+    data::instrument(kind, name).is_some()
+}
+
+/// Takes away the names of models that do not ship with the program; their numbers stay.
+pub fn remove_other_models(root: &mut Node) {
+    let remove = |table: Option<&mut Node>, kind: &str| {
+        let Some(table) = table else { return };
+        let is_other = table.text("model").is_some_and(|(name, _)| !is_shipped(kind, name));
+        if let Some(entries) = table.entries_mut().filter(|_| is_other) {
+            entries.remove("model");
+        }
+    };
+    for (key, kind) in MODELS {
+        remove(at_mut(root, &[key]), kind);
+        remove(at_mut(root, &["effects", key]), kind);
+    }
+    if let Some(sensors) = at_mut(root, &["sensors"]).and_then(Node::entries_mut) {
+        sensors.iter_mut().for_each(|(_, entry)| remove(Some(&mut entry.node), "sensors"));
+    }
+}
+
 /// An instrument of this kind that ships: without one, every key of a missing file would be missing
 /// as well.
 fn stand_in(kind: &str) -> Option<Node> {

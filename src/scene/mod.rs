@@ -118,7 +118,16 @@ impl Scene {
     /// # Errors
     /// [`SceneError`]: no such scene, not readable, or every problem found in it.
     pub fn load(name: &str) -> Result<Self, SceneError> {
-        Self::checked(library::load(name)?, None)
+        Self::checked(with_merged(library::load(name)?), None)
+    }
+
+    /// The text of scene `name`, an included one or a path, with its base and every default.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn resolved(name: &str) -> Result<String, SceneError> {
+        Self::load(name)?;
+        resolved::resolved(name)
     }
 
     /// Reads a scene that came as text, such as the one that travels with a recording, as `file`.
@@ -126,7 +135,7 @@ impl Scene {
     /// # Errors
     /// As [`Scene::load`]; also where it stands on a file of another machine.
     pub fn from_text(name: &str, file: &str, text: &str) -> Result<Self, SceneError> {
-        Self::checked(library::load_text(name, file, text)?, None)
+        Self::checked(with_merged(library::load_text(name, file, text)?), None)
     }
 
     /// Checks what was loaded; the front panel is `panel` where nothing has changed that it depends
@@ -174,6 +183,13 @@ pub fn oscilloscope(name: &str) -> Result<Model, SceneError> {
         Some(model) if problems.is_empty() => Ok(model),
         _ => Err(SceneError::Problems(problems)),
     }
+}
+
+/// Adds the merged scene, which travels with recordings.
+fn with_merged(mut loaded: library::LoadedScene) -> library::LoadedScene {
+    let merged = resolved::merged(&loaded);
+    loaded.texts.set_merged(merged.as_deref());
+    loaded
 }
 
 fn read(

@@ -10,7 +10,8 @@ use std::rc::Rc;
 
 use super::document::{DISTRIBUTION_KEYS, Entries, Entry, Node, Value};
 use super::library::{self, LoadedScene};
-use super::{Scene, SceneError, tree};
+use super::problem::SceneError;
+use super::tree;
 use crate::data;
 
 /// File of a value that no file says.
@@ -19,10 +20,9 @@ const DEFAULT: &str = "default";
 /// The scene `name`, one that ships or a path, as a scene that stands on none.
 ///
 /// # Errors
-/// [`SceneError`] as [`Scene::load`].
+/// [`SceneError`] if there is no such scene, or its text is not TOML; its values are not checked.
 pub fn resolved(name: &str) -> Result<String, SceneError> {
-    let scene = Scene::load(name)?;
-    let LoadedScene { mut root, .. } = library::load(name)?;
+    let LoadedScene { name, mut root, .. } = library::load(name)?;
     let own = root.place.file().to_owned();
     let keys = documented_keys();
     let model = root_text(&root, &["scope", "model"]);
@@ -36,7 +36,7 @@ pub fn resolved(name: &str) -> Result<String, SceneError> {
     for key in keys.iter().filter(|key| key.default.is_some()) {
         add_default(&mut root, &key.table, key);
     }
-    let mut page = format!("# {}, with its base and every default\n", scene.name);
+    let mut page = format!("# {name}, with its base and every default\n");
     let writer = Writer { own, keys };
     writer.table(&mut page, &[], &root);
     let on = tree::at(&root, &["effects"]);
@@ -58,6 +58,30 @@ pub fn resolved(name: &str) -> Result<String, SceneError> {
         let _ = writeln!(page, "# the scope's own numbers: hertzscope list scopes {model}");
     }
     Ok(page)
+}
+
+/// A scene with everything it is based on, as a scene that is based on no other file.
+///
+/// Models that ship with the program keep their names; of those from other files the numbers stay.
+/// None for a scope from another file: its numbers are read from a scope's file only.
+pub(super) fn merged(loaded: &LoadedScene) -> Option<String> {
+    let mut root = loaded.root.clone();
+    let own = root.place.file().to_owned();
+    let scope = root_text(&root, &["scope", "model"]);
+    if let Some(entries) = root.entries_mut() {
+        entries.remove("base");
+    }
+    add_materials(&mut root);
+    if let Some(model) = scope {
+        if !library::is_shipped("", &model) {
+            return None;
+        }
+        remove_model_numbers(&mut root, &model);
+    }
+    library::remove_other_models(&mut root);
+    let mut page = format!("# {}, with everything it is based on\n", loaded.name);
+    Writer { own, keys: documented_keys() }.table(&mut page, &[], &root);
+    Some(page)
 }
 
 /// The annotated scene with every key.

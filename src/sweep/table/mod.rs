@@ -11,7 +11,7 @@ use csv::StringRecord;
 
 use super::row::{Column, ColumnKind, ResultRow, cells};
 use super::{SweepError, at};
-use crate::files::{NewFile, Output as _};
+use crate::files::NewFile;
 
 /// A table that is being written, under another name until it is whole.
 pub(super) struct TableWriter {
@@ -125,7 +125,7 @@ impl TableWriter {
             #[cfg(feature = "parquet")]
             Out::Parquet(out) => out.finish()?,
         };
-        Box::new(file).complete().map(|_| ()).map_err(at(&self.file))
+        file.complete().map(|_| ()).map_err(at(&self.file))
     }
 }
 

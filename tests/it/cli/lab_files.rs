@@ -99,7 +99,7 @@ fn a_memory_stick_is_one_recording_of_many_shots() {
     );
     says(
         &printed(path, &["info", "stick", "--shot", "3"]),
-        &["shot 3, measured", "  dated 20", " UTC"],
+        &["shot 3, measured", "  date of the file: 20", " UTC"],
     );
     assert_eq!(
         json(path, &["info", "stick", "--shot", "3", "--channel", "CH2"])["shots"][0]["captures"]
