@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use crate::analysis::dispersion::DiatomicChain;
-use crate::chain::Body;
 use crate::quantity::Uncertain;
 use crate::quantity::engineering;
 use crate::recording::TraceSet;
@@ -269,16 +268,15 @@ pub fn mass_without_sensor(scene: &Scene, particle: usize) -> Option<f64> {
     let chain = &scene.chain;
     let body = |p: usize| chain.bodies().get(chain.body_of(p));
     let host = body(particle)?;
-    let is_bare = |p: usize| scene.sensors.iter().all(|s| s.site != Site::Particle(p));
-    let distance =
-        |(p, bare): &(usize, &Body)| ((bare.length / host.length).ln().abs(), p.abs_diff(particle));
-    let same_kind = (1..=chain.particles()).filter_map(|p| Some((p, body(p)?)));
-    let bare = same_kind.filter(|(p, bare)| bare.name == host.name && is_bare(*p));
-    let (_, bare) = bare.min_by(|a, b| {
-        let ((size_a, place_a), (size_b, place_b)) = (distance(a), distance(b));
-        size_a.total_cmp(&size_b).then(place_a.cmp(&place_b))
-    })?;
-    Some(bare.mass * (host.length / bare.length).powi(3))
+    let is_bare = |p: &usize| scene.sensors.iter().all(|s| s.site != Site::Particle(*p));
+    let candidate = |p: usize| {
+        let bare = body(p).filter(|bare| bare.name == host.name)?;
+        let ratio = host.length / bare.length;
+        Some((ratio.ln().abs(), p.abs_diff(particle), bare.mass * ratio.powi(3)))
+    };
+    let candidates = (1..=chain.particles()).filter(is_bare).filter_map(candidate);
+    let nearest = candidates.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    nearest.map(|(.., mass)| mass)
 }
 
 /// Every second contact of the periodic part of `scene`'s chain around `particle`, one a cell, from
