@@ -19,6 +19,7 @@ use crate::recording::format::{Recording, open_shot};
 use crate::recording::tek_csv::TableColumns;
 use crate::recording::{Shot, TraceSet};
 use crate::scene::{Scene, plates};
+use crate::scope::Source;
 #[cfg(feature = "tui")]
 use crate::tui::model::BenchOption;
 
@@ -179,7 +180,15 @@ impl ReadingArguments {
     pub fn open_recording(&self, path: &Path) -> anyhow::Result<Recording> {
         let mut recording = self.table.open(path)?;
         let channels = recording.channels();
-        self.bench.apply(recording.facts_mut(), &channels)?;
+        // A sensor's load follows from the settings of a capture of its channel.
+        let with_captures: BTreeSet<usize> =
+            self.bench.sensor.iter().filter_map(|wired| first_shot(&recording, wired)).collect();
+        for place in with_captures {
+            self.bench.apply(recording.shot(place)?, &channels)?;
+        }
+        if self.bench.sensor.is_empty() {
+            self.bench.apply(recording.facts_mut(), &channels)?;
+        }
         Ok(recording)
     }
 
@@ -340,6 +349,16 @@ impl BenchArguments {
         }
         Ok(())
     }
+}
+
+/// Place of the first shot that has the channel of `wired`; the first of all if none has.
+fn first_shot(recording: &Recording, wired: &SensorAssignment) -> Option<usize> {
+    let has = |sources: &Vec<Source>| {
+        sources.iter().any(|source| source.to_string().eq_ignore_ascii_case(&wired.channel))
+    };
+    let index = recording.index();
+    let place = index.iter().position(|(_, sources)| has(sources));
+    place.or_else(|| (!index.is_empty()).then_some(0))
 }
 
 /// Notes in `set` what one option says of the bench, for commands of the screen.

@@ -111,7 +111,7 @@ commands! {
         effects Effects: "effects magnet-0.61g --why", "scenes.md";
         hard_cases HardCases: "hard-cases --why", "accuracy.md" => "a case fails";
         cost Cost: "cost magnet-0.61g --plot cost.svg", "accuracy.md";
-        tunability Tunability: "tunability --knob preload --plot map.png", "paper.md";
+        tunability Tunability: "tunability --vary effects.magnet_preload.force --plot map.png", "paper.md";
         sweep Sweep: "sweep grid.toml", "sweeps.md";
         gather Gather: "gather grid.sweep", "sweeps.md" => "runs are missing";
         paper Paper: "paper --figure 9 --out figures", "paper.md";

@@ -249,6 +249,8 @@ mod tests {
         writer.room.add_permits(1 << 20);
         writer.push(20, 1 << 20);
         assert_eq!(lines.iter().take(2).collect::<Vec<_>>(), ["4 lost", "20"]);
+        // The thread ends in real time.
+        tokio::time::resume();
         assert_eq!(writer.finish(Duration::from_secs(1)).await, Some(Ok(())));
     }
 

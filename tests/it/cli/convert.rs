@@ -239,12 +239,7 @@ fn screens_are_drawn_as_the_scope_does() {
     let folder = recorded();
     let path = folder.path();
     printed(path, &["convert", "run.mcap", "out"]);
-    for (name, start) in [
-        ("s.bmp", &b"BM"[..]),
-        ("s.pcx", &[0x0A, 5, 1, 8]),
-        ("s.tif", b"II*\0"),
-        ("s.eps", b"%!PS-Adobe-3.0 EPSF-3.0\n"),
-    ] {
+    for (name, start) in [("s.bmp", &b"BM"[..]), ("s.tif", b"II*\0")] {
         assert_eq!(printed(path, &["convert", "run.mcap", name]), format!("{name}\n"));
         assert!(bytes(path, name).starts_with(start), "{name}");
     }

@@ -73,11 +73,13 @@ fn a_result_that_is_not_finite_is_refused_with_its_quantity() {
         &["magnet", "huge.toml", "--distance", "1mm"][..],
         &["magnet", "huge.toml", "--distance", "1mm", "--json"],
         &["magnet", "huge.toml", "--distance", "1mm", "--plot", "huge.svg"],
-        &["spectrum", "huge.isf"],
-        &["spectrum", "huge.isf", "--json"],
     ] {
         let words = refused(path, arguments);
         says(&words, &["expected a finite number", "`"]);
+    }
+    // Its trigger point, a time over the interval, is no number: refused as it is read.
+    for arguments in [&["spectrum", "huge.isf"][..], &["spectrum", "huge.isf", "--json"]] {
+        says(&refused(path, arguments), &["huge.isf", "trigger point", "a finite number up to"]);
     }
     assert!(!path.join("huge.svg").exists());
 }

@@ -139,8 +139,15 @@ fn what_a_scope_says_twice_and_differently_is_recorded_with_a_note() {
         ),
         (Reply::SetUp, "MAIN:SCALE 2.5E-4", "MAIN:SCALE 5.0E-4", "time base"),
     ] {
-        let (shot, contradictions, _) =
-            told(lie(reply, from, to)).unwrap_or_else(|error| panic!("{to}: {error}"));
+        let (shot, contradictions, _) = match told(lie(reply, from, to)) {
+            Ok(taken) => taken,
+            // Volts or seconds beyond any number are not recorded at all.
+            Err(error) if to.contains("1E38") || to.contains("1E-300") => {
+                assert!(error.contains("expected a finite number"), "{to}: {error}");
+                continue;
+            }
+            Err(error) => panic!("{to}: {error}"),
+        };
         let notes = shot.captures.iter().flat_map(|capture| &capture.notes);
         assert!(
             notes.clone().any(|note| note.contains(words)),

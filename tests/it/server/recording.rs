@@ -147,7 +147,13 @@ fn a_shot_tells_its_own_bench() {
     assert_eq!(forces[1..], [None, None, Some(1.19), force(&scene())]);
     let mut attached: Vec<&str> = set.attachments.iter().map(|a| a.name.as_str()).collect();
     attached.sort_unstable();
-    assert_eq!(attached, ["gravity-2.75g.toml", "magnet-0.61g.toml"]);
+    let scenes_attached = [
+        "gravity-2.75g.merged.toml",
+        "gravity-2.75g.toml",
+        "magnet-0.61g.merged.toml",
+        "magnet-0.61g.toml",
+    ];
+    assert_eq!(attached, scenes_attached);
     for (shot, own) in [(1, false), (2, true), (3, true), (4, true), (5, false)] {
         assert_eq!(set.metadata.contains_key(&format!("hertzscope:shot/{shot}")), own, "{shot}");
         let sensors = metadata::sensors_of(&set, shot);
