@@ -144,10 +144,10 @@ fn keys_and_command_line_reach_it() {
     let mut terminal = Terminal::open(&[RECORDING], &[]);
     terminal.wait_for_text("CH1 ");
     terminal.press("?");
-    terminal.wait_for_text("this help, and away again");
+    terminal.wait_for_text("help on, off");
     // An escape alone, then as the beginning of an arrow key.
     terminal.press("\x1b");
-    terminal.wait_for("no help", |t| !t.screen().contains("this help"));
+    terminal.wait_for("no help", |t| !t.screen().contains("help on, off"));
     terminal.press("\x1b[C");
     terminal.wait_for("an overview", |t| t.screen().contains('[') && t.screen().contains('*'));
     terminal.press("z");
