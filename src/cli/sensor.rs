@@ -5,7 +5,7 @@ use anyhow::bail;
 use crate::data;
 use crate::measurement::force::wire;
 use crate::recording::TraceSet;
-use crate::scene::plates;
+use crate::scene::sensors;
 
 /// A channel and its sensor, as typed.
 #[derive(Debug, Clone)]
@@ -40,7 +40,7 @@ pub fn wire_all(set: &mut TraceSet, wires: &[SensorAssignment]) -> anyhow::Resul
             names.dedup();
             bail!("found no channel {channel}, expected one of {}", names.join(", "));
         }
-        let Some(found) = plates::load(sensor)? else {
+        let Some(found) = sensors::load(sensor)? else {
             let names = data::instrument_names("sensors").join(", ");
             bail!(
                 "found no sensor `{sensor}`, expected one of {names}, or the path of a sensor's file"

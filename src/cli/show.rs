@@ -1,5 +1,7 @@
 //! `hertzscope show`: a scene with everything it stands on.
 
+use std::path::PathBuf;
+
 use clap::Args;
 
 use crate::scene::resolved::resolved;
@@ -10,7 +12,7 @@ use crate::scene::resolved::resolved;
 pub struct Arguments {
     /// An included scene, or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
-    scene: String,
+    scene: PathBuf,
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {

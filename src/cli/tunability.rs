@@ -1,6 +1,8 @@
 //! `hertzscope tunability`: band edges, speeds and what arrives, over preload, masses, modulus and
 //! striker.
 
+use std::path::PathBuf;
+
 use std::sync::Mutex;
 
 use anyhow::anyhow;
@@ -24,7 +26,7 @@ const BANDS: usize = 40;
 pub struct Arguments {
     /// An included scene, or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
-    scene: String,
+    scene: PathBuf,
     /// Number of the scene to vary, by its path as in a sweep, e.g. particles.ptfe_sphere.mass; `*`
     /// varies all that it names by one ratio [default: preload, masses, moduli, striker]
     #[arg(long, value_name = "PATH", value_delimiter = ',')]

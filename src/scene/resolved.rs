@@ -1,31 +1,39 @@
-//! A scene with its base and every default, as a scene again: what `hertzscope show` prints.
+//! A scene with its base and every default, as a scene again: the output of `hertzscope show`; and
+//! the annotated pages of `hertzscope help`.
 //!
-//! Defaults are those of the annotated scene `instruments/help/scene.toml`: lines whose comment
-//! begins with `default`, followed by the value where that is another than the line's. Tests hold
-//! that the result is the same scene.
+//! Defaults, order and help of keys are those of their declarations.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
+use std::path::Path;
 use std::rc::Rc;
 
-use super::document::{DISTRIBUTION_KEYS, Entries, Entry, Node, Value};
+use super::document::{
+    DISTRIBUTION_KEYS, Entries, Entry, Node, Value, at, at_mut, inline, put, quoted_key,
+};
+use super::effects::{EffectsKeys, LOSS_KEYS};
+use super::grid::SweepKeys;
 use super::library::{self, LoadedScene};
-use super::{Scene, SceneError, tree};
+use super::plan::PlanKeys;
+use super::plan::lab::LabKeys;
+use super::root::RootKeys;
+use super::table::{Key, Keys, Kind, key_at, keys_at};
+use super::{Scene, SceneError};
 use crate::data;
 
-/// File of a value that no file says.
+/// File of a value that no file has.
 const DEFAULT: &str = "default";
 
-/// The scene `name`, one that ships or a path, as a scene that stands on none.
+/// The scene `name`, an included one or a path, as a scene without a base.
 ///
 /// # Errors
 /// [`SceneError`] as [`Scene::load`].
-pub fn resolved(name: &str) -> Result<String, SceneError> {
+pub fn resolved(name: impl AsRef<Path>) -> Result<String, SceneError> {
+    let name = name.as_ref();
     let scene = Scene::load(name)?;
     let LoadedScene { mut root, .. } = library::load(name)?;
     let own = root.place.file().to_owned();
-    let keys = documented_keys();
-    let model = root_text(&root, &["scope", "model"]);
+    let model = at(&root, &["scope", "model"]).and_then(Node::as_text).map(str::to_owned);
     if let Some(entries) = root.entries_mut() {
         entries.remove("base");
     }
@@ -33,23 +41,16 @@ pub fn resolved(name: &str) -> Result<String, SceneError> {
     if let Some(model) = &model {
         remove_model_numbers(&mut root, model);
     }
-    for key in keys.iter().filter(|key| key.default.is_some()) {
-        add_default(&mut root, &key.table, key);
+    if let Ok(default) = Node::parse(DEFAULT, "") {
+        add_defaults(&mut root, &[RootKeys::KEYS], &default);
     }
     let mut page = format!("# {}, with its base and every default\n", scene.name);
-    let writer = Writer { own, keys };
-    writer.table(&mut page, &[], &root);
-    let on = tree::at(&root, &["effects"]);
-    let off: BTreeSet<&str> = writer
-        .keys
-        .iter()
-        .filter_map(|key| match key.table.as_slice() {
-            // That of a described magnet is on without a table.
-            ["effects", effect] if *effect != tree::ANY && *effect != "magnet_law" => Some(*effect),
-            _ => None,
-        })
-        .filter(|effect| on.is_none_or(|on| tree::at(on, &[effect]).is_none()))
-        .collect();
+    Writer { own }.table(&mut page, &[], &root);
+    let is_there = |effect: &str| at(&root, &["effects", effect]).is_some();
+    let effects = EffectsKeys::KEYS.iter().chain(LOSS_KEYS).map(|key| key.name);
+    // That of a described magnet is on without a table.
+    let off = effects.filter(|effect| *effect != "magnet_law" && !is_there(effect));
+    let off: BTreeSet<&str> = off.collect();
     if !off.is_empty() {
         let names: Vec<&str> = off.into_iter().collect();
         let _ = writeln!(page, "\n# effects without a table are off: {}", names.join(", "));
@@ -60,131 +61,121 @@ pub fn resolved(name: &str) -> Result<String, SceneError> {
     Ok(page)
 }
 
-/// The annotated scene with every key.
-pub fn annotated_scene() -> &'static str {
-    data::instrument("help", "scene").unwrap_or_default()
+/// The annotated page of a `scene`, `plan`, `lab` (laboratory) or `grid` (sweep), with every key;
+/// `None` for another topic.
+pub fn annotated(topic: &str) -> Option<String> {
+    // Help begins behind the longest usual lines.
+    let (keys, column): (Keys, usize) = match topic {
+        "scene" => (&[RootKeys::KEYS], 28),
+        "plan" => (&[PlanKeys::KEYS], 43),
+        "lab" => (&[LabKeys::KEYS], 43),
+        "grid" => (&[SweepKeys::KEYS], 43),
+        _ => return None,
+    };
+    data::instrument("help", topic).map(|page| explained(page, keys, column))
 }
 
-/// The annotated plan of a calibration with every key.
-pub fn annotated_plan() -> &'static str {
-    data::instrument("help", "plan").unwrap_or_default()
-}
-
-/// A key of the annotated scene.
-struct DocumentedKey {
-    /// Path of its table; `*` is every name.
-    table: Vec<&'static str>,
-    name: &'static str,
-    /// Its default as TOML.
-    default: Option<&'static str>,
-}
-
-/// Every key of the annotated scene in its order, those of alternatives included.
-fn documented_keys() -> Vec<DocumentedKey> {
-    let mut table: Vec<&'static str> = Vec::new();
-    let mut keys = Vec::new();
-    for line in annotated_scene().lines() {
-        let line = line.strip_prefix("# ").unwrap_or(line);
-        let header = line.strip_prefix('[').and_then(|rest| rest.split_once(']'));
-        if let Some((path, _)) = header {
+/// A page with default and help of each key, from `column` on, behind the first line that has it; a
+/// comment in the page stays.
+fn explained(text: &str, keys: Keys, column: usize) -> String {
+    let mut table: Vec<&str> = Vec::new();
+    let mut explained = BTreeSet::new();
+    let mut page = String::new();
+    for line in text.lines() {
+        let bare = line.strip_prefix("# ").unwrap_or(line);
+        let header = bare.strip_prefix('[').and_then(|rest| rest.split_once(']'));
+        let is_end = |rest: &str| {
+            matches!(rest.trim_start_matches(']').trim_start().chars().next(), None | Some('#'))
+        };
+        if let Some((path, _)) = header.filter(|(_, rest)| is_end(rest)) {
             table = path.trim_matches('[').split('.').collect();
-            if let ["particles" | "materials" | "sensors", name] | ["effects", name @ "NAME"] =
-                &mut table[..]
-            {
-                *name = tree::ANY;
+            // A list's item is one step of a path.
+            if bare.starts_with("[[") {
+                table.push("1");
             }
-            keys.push(DocumentedKey { table: table.clone(), name: "", default: None });
-            continue;
         }
-        let Some((name, rest)) = line.split_once(" = ") else { continue };
-        if name.contains(|c: char| !c.is_ascii_alphanumeric() && !"_.\"*".contains(c)) {
-            continue;
-        }
-        let (value, comment) = rest.split_once(" # ").unwrap_or((rest, ""));
-        let default = comment.trim().strip_prefix(DEFAULT).and_then(|words| {
-            let end = words.find([';', ':']).unwrap_or(words.len());
-            match (words[..end].trim(), words[end..].starts_with(':')) {
-                ("", false) => Some(value.trim()),
-                ("", true) => None,
-                (stated, _) => Some(stated),
-            }
+        let key = bare.split_once(" = ").filter(|(_, value)| !value.contains(" # "));
+        let key = key.and_then(|(name, value)| {
+            let path: Vec<&str> = table.iter().copied().chain([name]).collect();
+            let key = key_at(keys, &path).filter(|key| key.name == name)?;
+            Some((key, value.trim_matches('"')))
         });
-        keys.push(DocumentedKey { table: table.clone(), name, default });
+        let new = key.filter(|(key, _)| explained.insert((key.name, key.help, key.default)));
+        let comment = new.map_or_else(String::new, |(key, value)| explanation(key, value));
+        let _ = if comment.is_empty() {
+            writeln!(page, "{line}")
+        } else {
+            writeln!(page, "{line:<column$} # {comment}")
+        };
     }
-    keys
+    page
 }
 
-/// Puts the default of `key` into every table at `path` below `node` that lacks it.
-fn add_default(node: &mut Node, path: &[&str], key: &DocumentedKey) {
-    match (&mut node.value, path) {
-        (Value::List(items), _) => {
-            for item in Rc::make_mut(items) {
-                add_default(item, path, key);
-            }
-        }
-        (Value::Table(entries), []) => {
-            // A sensor at the wall has no offset.
-            let is_wall =
-                entries.get("wall").is_some_and(|e| matches!(e.node.value, Value::Flag(true)));
-            if entries.contains_key(key.name) || (is_wall && key.name == "offset") {
-                return;
-            }
-            let line = format!("{} = {}", key.name, key.default.unwrap_or_default());
-            if let Ok(Node { value: Value::Table(default), .. }) = Node::parse(DEFAULT, &line) {
-                Rc::make_mut(entries).extend((*default).clone());
-            }
-        }
-        (Value::Table(entries), [first, rest @ ..]) => {
-            // Channels are alike.
-            let is_meant = |name: &str| match *first {
-                tree::ANY => true,
-                "ch1" => name.len() == 3 && name.starts_with("ch"),
-                first => name == first,
-            };
-            let below = Rc::make_mut(entries).iter_mut().filter(|(name, _)| is_meant(name));
-            below.for_each(|(_, entry)| add_default(&mut entry.node, rest, key));
-        }
-        _ => {}
-    }
-}
-
-fn root_text(root: &Node, path: &[&str]) -> Option<String> {
-    match &tree::at(root, path)?.value {
-        Value::Text(text) => Some(text.to_string()),
+/// Default and help of `key` behind a line with `value`.
+fn explanation(key: &Key, value: &str) -> String {
+    let default = match (key.default, key.default_value()) {
+        (Some(""), _) => None,
+        (Some(default), _) if default == value => Some(DEFAULT.to_owned()),
+        (Some(default), Some(Value::Text(_))) => Some(format!("{DEFAULT} \"{default}\"")),
+        (Some(default), _) => Some(format!("{DEFAULT} {default}")),
         _ => None,
+    };
+    let help = key.help.trim();
+    let help = (!help.is_empty()).then(|| help.to_owned());
+    default.into_iter().chain(help).collect::<Vec<_>>().join("; ")
+}
+
+/// Puts the defaults of `keys` into the table `node`, and those of keys below; `default` has their
+/// place.
+fn add_defaults(node: &mut Node, keys: Keys, default: &Node) {
+    let Some(entries) = node.entries_mut() else { return };
+    let is_wall = entries.get("wall").is_some_and(|e| matches!(e.node.value, Value::Flag(true)));
+    for key in keys.iter().flat_map(|keys| keys.iter()) {
+        let Some(entry) = entries.get_mut(key.name) else {
+            // A sensor at the wall has no offset.
+            let value = key.default_value().filter(|_| !(is_wall && key.name == "offset"));
+            if let Some(value) = value {
+                let node = Node { place: default.place.clone(), value };
+                let entry = Entry { key_place: default.place.clone(), node };
+                entries.insert(Rc::from(key.name), entry);
+            }
+            continue;
+        };
+        let node = &mut entry.node;
+        match (key.kind, &mut node.value) {
+            (Kind::Tables(_), Value::Table(tables)) => {
+                for entry in Rc::make_mut(tables).values_mut() {
+                    add_defaults(&mut entry.node, key.below(), default);
+                }
+            }
+            (Kind::List(_), Value::List(items)) => {
+                for item in Rc::make_mut(items) {
+                    add_defaults(item, key.below(), default);
+                }
+            }
+            _ => add_defaults(node, key.below(), default),
+        }
     }
 }
 
 /// Puts the numbers of all materials that are named into `[materials]`.
 fn add_materials(root: &mut Node) {
     let mut named = Vec::new();
-    collect_materials(root, &mut named);
+    library::each_constant(root, &mut |kind, name, file| {
+        if kind == "materials" {
+            named.push((name.to_owned(), file.clone()));
+        }
+    });
     for (name, below) in named {
-        if tree::at(root, &["materials", &name]).is_none() {
-            tree::put(root, &["materials", &name], below);
+        if at(root, &["materials", &name]).is_none() {
+            put(root, &["materials", &name], below);
         }
     }
 }
 
-fn collect_materials(node: &Node, named: &mut Vec<(String, Node)>) {
-    match &node.value {
-        Value::Table(entries) => {
-            for key in ["material", "wall"] {
-                let Some((name, place)) = node.text(key) else { continue };
-                if let Ok(file) = library::instrument("materials", name, place, key) {
-                    named.push((name.to_owned(), (*file).clone()));
-                }
-            }
-            entries.values().for_each(|entry| collect_materials(&entry.node, named));
-        }
-        Value::List(items) => items.iter().for_each(|item| collect_materials(item, named)),
-        _ => {}
-    }
-}
-
-/// Takes out what the scope's file says: its model brings that back.
+/// Removes the numbers of the scope's file: its model brings them back.
 fn remove_model_numbers(root: &mut Node, model: &str) {
-    let Some(scope) = tree::at_mut(root, &["scope"]) else { return };
+    let Some(scope) = at_mut(root, &["scope"]) else { return };
     let Ok(file) = library::instrument("", model, &scope.place.clone(), "") else { return };
     if let Some(entries) = scope.entries_mut() {
         entries.retain(|_, entry| entry.node.place.file() != file.place.file());
@@ -195,7 +186,6 @@ fn remove_model_numbers(root: &mut Node, model: &str) {
 struct Writer {
     /// The scene's own file.
     own: String,
-    keys: Vec<DocumentedKey>,
 }
 
 impl Writer {
@@ -207,13 +197,13 @@ impl Writer {
             flatten(entries, &mut Vec::new(), &mut flat);
         } else {
             flat.extend(
-                self.sorted(path, entries)
+                sorted(path, entries)
                     .into_iter()
                     .filter(|(_, entry)| is_inline(path, &entry.node))
                     .map(|(name, entry)| (quoted_key(name), entry)),
             );
         }
-        let deeper = self.sorted(path, entries);
+        let deeper = sorted(path, entries);
         let deeper = deeper.iter().filter(|(_, e)| !is_uncertainty && !is_inline(path, &e.node));
         if !path.is_empty() && (!flat.is_empty() || entries.is_empty()) {
             let _ = writeln!(page, "\n[{}]", joined(path));
@@ -226,7 +216,7 @@ impl Writer {
                     for item in &**items {
                         let Value::Table(keys) = &item.value else { continue };
                         let _ = writeln!(page, "\n[[{}]]", joined(&below));
-                        let keys = self.sorted(&below, keys);
+                        let keys = sorted(&below, keys);
                         let keys = keys.into_iter().map(|(name, e)| (quoted_key(name), e));
                         self.lines(page, &keys.collect::<Vec<_>>());
                     }
@@ -247,28 +237,21 @@ impl Writer {
             };
         }
     }
-
-    /// The entries in the order of the annotated scene.
-    fn sorted<'e>(&self, path: &[&str], entries: &'e Entries) -> Vec<(&'e str, &'e Entry)> {
-        let fits = |pattern: &str, name: &str| {
-            pattern == name || pattern == tree::ANY || (pattern == "ch1" && name.starts_with("ch"))
-        };
-        let place = |name: &str| {
-            let is = |key: &DocumentedKey| {
-                let of_table = key.table.len() == path.len() && key.name == name;
-                let below = key.table.len() > path.len()
-                    && key.table.get(path.len()).is_some_and(|part| fits(part, name));
-                (of_table || below) && path.iter().zip(&key.table).all(|(p, part)| fits(part, p))
-            };
-            self.keys.iter().position(is).unwrap_or(usize::MAX)
-        };
-        let mut sorted: Vec<_> = entries.iter().map(|(name, entry)| (&**name, entry)).collect();
-        sorted.sort_by_key(|(name, _)| place(name));
-        sorted
-    }
 }
 
-/// Whether a value stands on the line of its key.
+/// The entries in the order of their declarations.
+fn sorted<'e>(path: &[&str], entries: &'e Entries) -> Vec<(&'e str, &'e Entry)> {
+    let keys = keys_at(&[RootKeys::KEYS], path);
+    let place = |name: &str| {
+        let mut keys = keys.iter().flat_map(|keys| keys.iter());
+        keys.position(|key| key.name == name).unwrap_or(usize::MAX)
+    };
+    let mut sorted: Vec<_> = entries.iter().map(|(name, entry)| (&**name, entry)).collect();
+    sorted.sort_by_key(|(name, _)| place(name));
+    sorted
+}
+
+/// Whether a value is written on the line of its key.
 fn is_inline(path: &[&str], node: &Node) -> bool {
     match &node.value {
         Value::Table(_) => path.first() == Some(&"chain"),
@@ -277,7 +260,7 @@ fn is_inline(path: &[&str], node: &Node) -> bool {
     }
 }
 
-/// Paths of `[uncertainty]`, each with what it says.
+/// Paths of `[uncertainty]`, each with its entry.
 fn flatten<'e>(entries: &'e Entries, above: &mut Vec<String>, flat: &mut Vec<(String, &'e Entry)>) {
     for (name, entry) in entries {
         above.push(quoted_key(name));
@@ -291,35 +274,6 @@ fn flatten<'e>(entries: &'e Entries, above: &mut Vec<String>, flat: &mut Vec<(St
         }
         above.pop();
     }
-}
-
-/// A value on one line.
-fn inline(node: &Node) -> String {
-    match &node.value {
-        Value::Text(text) => quoted(text),
-        Value::Number { typed, .. } => typed.to_string(),
-        Value::Flag(flag) => flag.to_string(),
-        Value::Date(date) => date.to_string(),
-        Value::List(items) => {
-            format!("[{}]", items.iter().map(inline).collect::<Vec<_>>().join(", "))
-        }
-        Value::Table(entries) => {
-            let pair = |(name, entry): (&Rc<str>, &Entry)| {
-                format!("{} = {}", quoted_key(name), inline(&entry.node))
-            };
-            format!("{{ {} }}", entries.iter().map(pair).collect::<Vec<_>>().join(", "))
-        }
-    }
-}
-
-/// A TOML basic string: JSON's escapes are among TOML's.
-fn quoted(text: &str) -> String {
-    serde_json::Value::from(text).to_string()
-}
-
-fn quoted_key(name: &str) -> String {
-    let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-    if !name.is_empty() && name.chars().all(is_bare) { name.to_owned() } else { quoted(name) }
 }
 
 fn joined(path: &[&str]) -> String {
