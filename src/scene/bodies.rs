@@ -26,7 +26,7 @@ const A_MATERIAL: &str = "the name of a material";
 
 table! {
     /// `[materials.NAME]`, and the files of `instruments/materials`.
-    pub(super) struct MaterialKeys<'a> {
+    pub struct MaterialKeys<'a> {
         youngs_modulus: f64 = quantity(Dimension::PRESSURE, Bound::MODULUS).required(),
         poissons_ratio: f64 = quantity(Dimension::NONE, Bound::Between(-1.0, 0.5)).required(),
         /// needed for bodies without a mass
@@ -39,7 +39,7 @@ table! {
 table! {
     /// A body: a diameter makes a sphere, a height in addition a cylinder with flat faces; without
     /// either the faces are flat and the length is zero.
-    pub(super) struct BodyKeys<'a> {
+    pub struct BodyKeys<'a> {
         /// `hertzscope list materials`, or [materials.NAME] below
         material: &'a str = text().required().needs(A_MATERIAL),
         /// makes a sphere; a striker without it has a flat face
@@ -53,7 +53,7 @@ table! {
 
 table! {
     /// `[striker]` beside its body.
-    pub(super) struct StrikerKeys<'a> {
+    pub struct StrikerKeys<'a> {
         /// instead of these keys: `hertzscope list strikers`, or a file
         model: &'a str = text(),
         /// at the first contact
@@ -63,7 +63,7 @@ table! {
 
 table! {
     /// `[chain]`.
-    pub(super) struct ChainKeys<'a> {
+    pub struct ChainKeys<'a> {
         /// a preload by a weight that follows; or "free", or a wall:
         top: &'a Node = any(&[EndKeys::KEYS]).required().needs(END),
         /// or "free", or { force = "1.2 N" }
@@ -74,7 +74,7 @@ table! {
 
 table! {
     /// One end of the chain.
-    pub(super) struct EndKeys<'a> {
+    pub struct EndKeys<'a> {
         wall: &'a str = text(),
         force: f64 = quantity(Dimension::FORCE, Bound::FORCE),
         preload: f64 = quantity(Dimension::FORCE, Bound::FORCE),
@@ -83,7 +83,7 @@ table! {
 
 table! {
     /// One of `[[chain.segments]]`.
-    pub(super) struct SegmentKeys<'a> {
+    pub struct SegmentKeys<'a> {
         /// kinds, in order
         particles: Places<'a> = texts(),
         /// how often this row comes
@@ -98,7 +98,7 @@ table! {
 
 table! {
     /// Diameters of the first and last repetition of a row.
-    pub(super) struct TaperKeys<'a> {
+    pub struct TaperKeys<'a> {
         from: f64 = quantity(Dimension::LENGTH, Bound::LENGTH).required(),
         to: f64 = quantity(Dimension::LENGTH, Bound::LENGTH).required(),
     }
@@ -106,7 +106,7 @@ table! {
 
 table! {
     /// One of `[[initial_velocities]]`.
-    pub(super) struct VelocityKeys<'a> {
+    pub struct VelocityKeys<'a> {
         particle: &'a Node =
             particle_number().required().needs("a particle, counted from 1 at the top"),
         /// downward positive

@@ -83,7 +83,7 @@ impl<'a, T: FromTable<'a>> FromKey<'a> for Effect<T> {
 
 table! {
     /// `[effects]`: one row for each effect.
-    pub(super) struct EffectsKeys<'a> {
+    pub struct EffectsKeys<'a> {
         gravity: Effect<GravityKeys<'a>> = effect(&[AUTO_SWITCH, GravityKeys::KEYS]),
         scope_noise: Effect<NoiseKeys<'a>> = effect(&[SWITCH, NoiseKeys::KEYS]),
         /// gain and zero of each channel within the data sheet, drawn from the seed
@@ -104,19 +104,19 @@ table! {
 
 table! {
     /// An effect without numbers.
-    pub(super) struct NoKeys<'a> {}
+    pub struct NoKeys<'a> {}
 }
 
 table! {
     /// `[effects.gravity]`.
-    pub(super) struct GravityKeys<'a> {
+    pub struct GravityKeys<'a> {
         acceleration: f64 = quantity(Dimension::ACCELERATION, Bound::Any).required(),
     }
 }
 
 table! {
     /// `[effects.scope_noise]`.
-    pub(super) struct NoiseKeys<'a> {
+    pub struct NoiseKeys<'a> {
         rms: f64 = not_negative(Dimension::DIVISION).required(),
     }
 }
@@ -126,7 +126,7 @@ const MAX_SPREAD: f64 = 0.5;
 
 table! {
     /// `[effects.striker_speed_spread]`.
-    pub(super) struct SpreadKeys<'a> {
+    pub struct SpreadKeys<'a> {
         /// standard deviation
         relative: f64 = quantity(Dimension::NONE, Bound::Within(0.0, MAX_SPREAD)).required(),
     }
@@ -134,7 +134,7 @@ table! {
 
 table! {
     /// `[effects.sensor_tolerance]`.
-    pub(super) struct ToleranceKeys<'a> {
+    pub struct ToleranceKeys<'a> {
         spread: f64 = quantity(Dimension::NONE, Bound::Within(0.0, 0.5)).required(),
         temperature_change: f64 = difference(Dimension::TEMPERATURE),
         permittivity_coefficient: f64 = quantity(Dimension::PER_TEMPERATURE, Bound::Any),
@@ -197,7 +197,7 @@ const fn contact_keys(index: usize) -> [Key; 2] {
 
 table! {
     /// `[effects.magnet_preload]` beside the magnet itself.
-    pub(super) struct MagnetPlaceKeys<'a> {
+    pub struct MagnetPlaceKeys<'a> {
         particle: &'a Node = particle_number()
             .required()
             .needs("the particle that the magnet pulls, e.g. 1"),

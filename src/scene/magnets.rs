@@ -15,7 +15,7 @@ const KINDS: [&str; 3] = ["force", "outer_diameter", "measured"];
 
 table! {
     /// A ring magnet and the sphere that it attracts.
-    pub(super) struct RingKeys<'a> {
+    pub struct RingKeys<'a> {
         outer_diameter: f64 = positive(Dimension::LENGTH).required(),
         inner_diameter: f64 = positive(Dimension::LENGTH).required(),
         length: f64 = positive(Dimension::LENGTH).required(),
@@ -30,14 +30,14 @@ table! {
 
 table! {
     /// A measured force over distance.
-    pub(super) struct TableKeys<'a> {
+    pub struct TableKeys<'a> {
         measured: Vec<TableReader<'a>> = list_of(&[PointKeys::KEYS]),
     }
 }
 
 table! {
     /// One of `[[measured]]`.
-    pub(super) struct PointKeys<'a> {
+    pub struct PointKeys<'a> {
         distance: f64 = quantity(Dimension::LENGTH, Bound::Any).required(),
         force: f64 = quantity(Dimension::FORCE, Bound::Any).required(),
     }

@@ -24,7 +24,7 @@ const PART: &str = "a table of the oscilloscope's data file";
 
 table! {
     /// The data file beside its name in `model`.
-    pub(super) ModelKeys => Model {
+    pub ModelKeys => Model {
         name = text(),
         serial = text(),
         firmware = text(),
@@ -64,7 +64,7 @@ table! {
 
 table! {
     /// `[scope_limits]`.
-    pub(super) struct LimitKeys<'a> {
+    pub struct LimitKeys<'a> {
         near_offset: f64 = positive(Dimension::VOLTAGE).required(),
         near_offset_until: f64 = positive(Dimension::VOLTAGE_PER_DIVISION).required(),
         far_offset: f64 = positive(Dimension::VOLTAGE).required(),
@@ -80,7 +80,7 @@ table! {
 
 table! {
     /// `[accuracy]`.
-    pub(super) AccuracyKeys => Accuracy {
+    pub AccuracyKeys => Accuracy {
         gain = not_negative(Dimension::NONE),
         low_scale_gain = not_negative(Dimension::NONE),
         low_scale_until = not_negative(Dimension::VOLTAGE_PER_DIVISION),
@@ -91,7 +91,7 @@ table! {
 
 table! {
     /// `[fft]`.
-    pub(super) struct FftKeys<'a> {
+    pub struct FftKeys<'a> {
         points: usize = count(4, MAX_RECORD_LENGTH).required(),
         level: f64 = positive(Dimension::NONE).required(),
         reference: f64 = quantity(Dimension::NONE, Bound::Any).required(),

@@ -19,7 +19,7 @@ const CHANNELS: [&str; 4] = ["ch1", "ch2", "ch3", "ch4"];
 
 table! {
     /// `[scope]` beside its model.
-    pub(super) struct PanelKeys<'a> {
+    pub struct PanelKeys<'a> {
         /// `hertzscope list scopes`; each number of its file can be replaced here, e.g.
         /// bandwidth = "60 MHz"
         model: &'a str =
@@ -48,7 +48,7 @@ table! {
 
 table! {
     /// What is connected to an input.
-    pub(super) struct InputKeys<'a> {
+    pub struct InputKeys<'a> {
         /// the sensor's name; default: nothing connected
         input: &'a str = text(),
     }
@@ -56,7 +56,7 @@ table! {
 
 table! {
     /// `[scope.ch1]` to `[scope.ch4]`.
-    pub(super) struct ChannelKeys<'a> {
+    pub struct ChannelKeys<'a> {
         /// the sensor's name; default: nothing connected
         input: &'a str = text(),
         scale: f64 = positive(Dimension::VOLTAGE_PER_DIVISION).required(),
@@ -76,7 +76,7 @@ table! {
 
 table! {
     /// `[scope.trigger]`.
-    pub(super) struct TriggerKeys<'a> {
+    pub struct TriggerKeys<'a> {
         /// or "CH2" to "CH4", "EXT", "EXT5"
         source: &'a Node = any(&[]).required().needs("what to watch, e.g. \"CH1\""),
         level: f64 = quantity(Dimension::VOLTAGE, Bound::Any).required(),

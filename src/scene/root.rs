@@ -25,7 +25,7 @@ pub(super) const ACCURACY: Bound = Bound::Within(TIGHTEST_ACCURACY, LOOSEST_ACCU
 
 table! {
     /// The scene itself.
-    pub(super) struct RootKeys<'a> {
+    pub struct RootKeys<'a> {
         /// scene to start from, included (`hertzscope list scenes`) or a .toml file;
         /// keys given here replace its keys
         base: &'a str = text(),

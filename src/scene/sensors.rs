@@ -52,7 +52,7 @@ table! {
 
 table! {
     /// The sensor itself.
-    pub(super) struct SensorKeys<'a> {
+    pub struct SensorKeys<'a> {
         /// `hertzscope list sensors`, or a file such as `calibrate` writes; or the
         /// plate's own numbers:
         model: &'a str = text(),

@@ -843,7 +843,7 @@ macro_rules! table {
         }
     ) => {
         $(#[$meta])*
-        #[allow(dead_code, reason = "some keys are only checked, or read by name")]
+        #[allow(dead_code, missing_docs, reason = "some keys are only checked; help is documentation")]
         $vis struct $name<$life> {
             /// The table.
             pub table: $crate::scene::table::TableReader<$life>,
