@@ -101,10 +101,14 @@ words! { Wiring { "parallel" => Parallel, "series" => Series } }
 
 /// A channel of the scope by its name.
 #[derive(Clone, Copy)]
-pub(super) enum ChannelName {
+pub enum ChannelName {
+    /// CH1.
     One = 1,
+    /// CH2.
     Two,
+    /// CH3.
     Three,
+    /// CH4.
     Four,
 }
 
