@@ -150,7 +150,7 @@ fn bases_that_are_not_there_or_go_in_circles() {
     let itself = problems("base = \"scene.toml\"\n");
     assert_eq!(itself.len(), 1);
     assert!(
-        itself[0].found.contains("more than 8 scenes standing on one another"),
+        itself[0].found.contains("more than 8 scenes based on one another"),
         "{}",
         itself[0]
     );
