@@ -221,7 +221,7 @@ What the server holds:
 |---|---|---|
 {chr(10).join(states)}
 
-At most 128 connections are open at a time, of both protocols. A further one takes the place of the one that has been idle for longest, at least a
+At most 128 connections are open at a time, of all protocols, 96 of them of one address. A further one takes the place of the one that has been idle for longest, at least a
 second; after 300 silent ones {newcomers} of 20 newcomers were answered. A peer that is gone without a word loses its connection within two minutes
 (keep-alive), a HiSLIP connection that does not become a session within ten seconds, and a client that does not read its replies within ten. A connection whose first
 line is an HTTP request is closed before a command is read. The server ended with exit code {code}.

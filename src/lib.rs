@@ -35,6 +35,7 @@ pub mod sensor;
 pub mod server;
 pub mod studies;
 pub mod sweep;
+pub mod table;
 pub mod trace;
 #[cfg(feature = "tui")]
 pub mod tui;

@@ -28,6 +28,8 @@ const BASELINE_SHARE: f64 = 2.0 / 3.0;
 const SHORTER_SHARES: [f64; 5] = [1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0, 1.0 / 6.0, 1.0 / 8.0];
 /// A foot below this share of the noise's part is none (1).
 const MIN_FOOT_SHARE: f64 = 0.2;
+/// A foot above this share of the largest value leaves no zero to be found (1).
+const MAX_FOOT_SHARE: f64 = 0.02;
 /// A baseline that varies this many times as much as neighbouring samples differ is no signal at
 /// rest, if it is so by as many standard deviations and by this share of the largest value (1).
 const MOTION_FACTOR: f64 = 2.0;
@@ -69,23 +71,22 @@ impl Baseline {
     /// The baseline of `trace`.
     pub(super) fn of(trace: &Trace, conditions: &Conditions) -> Result<Self, PulseError> {
         let scatter = || scatter(trace, conditions.level);
-        Self::with_rest(trace, conditions, &scatter).map(|(baseline, _)| baseline)
+        Self::with_rest(trace, (conditions, true), &scatter).map(|(baseline, _)| baseline)
     }
 
     /// The same with what the codes of a quiet scope show, whose samples elsewhere have this
-    /// `scatter`.
+    /// `scatter`. Without `has_foot` the pulse is a single contact, which begins at once.
     ///
     /// # Errors
     /// [`PulseError`] if the record is too short before the pulse, or not at rest.
     pub fn with_rest(
         trace: &Trace,
-        conditions: &Conditions,
+        (conditions, has_foot): (&Conditions, bool),
         scatter: &dyn Fn() -> MovingScatter,
     ) -> Result<(Self, Option<AtRest>), PulseError> {
-        let before = Before::of(trace, conditions.level);
         let (range, foot) = match conditions.baseline {
             Some(gate) => (gate.range(trace), 0.0),
-            None => before.baseline(),
+            None => Before::of(trace, conditions.level).baseline(trace, has_foot)?,
         };
         let values = trace.values.get(range.clone()).unwrap_or_default();
         if values.len() < MIN_BASELINE_SAMPLES {
@@ -94,13 +95,6 @@ impl Baseline {
         }
         let count = values.len() as f64;
         let Moments { mean, deviation: rms, .. } = Moments::of(values);
-        if conditions.baseline.is_none() && before.is_moving(rms, values.len()) {
-            return Err(PulseError::NotAtRest {
-                trace: trace.name.clone(),
-                rms,
-                noise: before.noise,
-            });
-        }
         let step = conditions.level;
         let rest = (rms < DITHERED_RMS * step).then(|| AtRest::of(values, step, scatter()));
         let (level, spread, rounding) = if let Some(rest) = &rest {
@@ -177,6 +171,8 @@ struct Before {
     /// Samples before the first that is a quarter of the largest deviation away from the start, as
     /// is one of the two behind it: a single one may be noise.
     samples: usize,
+    /// Sample at which the pulse reaches that quarter but for noise, by how many samples are below.
+    quarter: f64,
     /// Samples in which the pulse grows by a factor of e there.
     growth: f64,
     /// Largest deviation from the start (unit).
@@ -190,45 +186,76 @@ impl Before {
         let values = &trace.values;
         let first = values.iter().take(MIN_BASELINE_SAMPLES.max(values.len() / 50)).copied();
         let start = upper_median(first.collect());
-        let away = |v: &f64| (v - start).abs();
-        let top = values.iter().map(away).fold(0.0, f64::max);
-        let is_far = |v: &f64| away(v) >= PEAK_SHARE * top;
-        let is_pulse = |near: &[f64]| {
-            let (first, behind) = near.split_at(1);
-            first.iter().all(is_far) && behind.iter().any(is_far)
+        let farther = |far: f64, v: &f64| if v.abs() > far.abs() { *v } else { far };
+        let away: Vec<f64> = values.iter().map(|v| v - start).collect();
+        let far = away.iter().fold(0.0, farther);
+        let top = far.abs();
+        let reaches = |share: f64, from: usize| {
+            let is_far = |v: &f64| v.abs() >= share * top;
+            let is_pulse = |near: &[f64]| {
+                let (first, behind) = near.split_at(1);
+                first.iter().all(is_far) && behind.iter().any(is_far)
+            };
+            away.get(from..)?.windows(3).position(is_pulse).map(|place| from + place)
         };
-        let samples = values.windows(3).position(is_pulse).unwrap_or(0);
-        let before = values.get(..samples).unwrap_or_default();
-        let near = before.iter().rposition(|v| away(v) < 0.5 * PEAK_SHARE * top);
-        let doubling = samples - near.unwrap_or(0);
-        let quiet = before.get(..(BASELINE_SHARE * samples as f64) as usize).unwrap_or_default();
+        let samples = reaches(PEAK_SHARE, 0).unwrap_or(0);
+        let quiet = values.get(..(BASELINE_SHARE * samples as f64) as usize).unwrap_or_default();
         let squares: f64 = quiet.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
         let noise = (0.5 * squares / quiet.len().max(2) as f64).sqrt();
-        let growth = doubling as f64 / std::f64::consts::LN_2;
-        Self { samples, growth, top, noise: noise_of(noise, level) }
+        // Noise takes single samples across a level either way: how many are on a side is right on
+        // average. From the last sample on the pulse's other side on, and as far again before.
+        let half = reaches(2.0 * PEAK_SHARE, samples).unwrap_or(samples);
+        let rising = away.get(..half).unwrap_or_default();
+        let low = rising.iter().rposition(|v| v * far <= 0.0).map_or(0, |place| place + 1);
+        let from = (2 * low).saturating_sub(half);
+        let below = |share: f64| {
+            let part = rising.iter().skip(from);
+            part.filter(|v| **v * far.signum() < share * top).count() as f64
+        };
+        let doubling = (below(PEAK_SHARE) - below(0.5 * PEAK_SHARE)).max(1.0);
+        Self {
+            samples,
+            quarter: from as f64 + below(PEAK_SHARE),
+            growth: doubling / std::f64::consts::LN_2,
+            top,
+            noise: noise_of(noise, level),
+        }
     }
 
     /// Mean of the pulse's foot over the first `count` samples (unit).
     fn foot(&self, count: usize) -> f64 {
-        let height = |sample: f64| {
-            PEAK_SHARE * self.top * (-(self.samples as f64 - sample) / self.growth).exp()
-        };
+        let height =
+            |sample: f64| PEAK_SHARE * self.top * ((sample - self.quarter) / self.growth).exp();
         (height(count as f64) - height(0.0)) * self.growth / count.max(1) as f64
     }
 
-    /// Where the baseline lies, and the mean of the foot in it, if it counts (unit).
-    fn baseline(&self) -> (Range<usize>, f64) {
+    /// Where the baseline lies, and the mean of the foot in it, if it counts (unit): the longest
+    /// part at rest, or a shorter one with less of the foot.
+    fn baseline(&self, trace: &Trace, has_foot: bool) -> Result<(Range<usize>, f64), PulseError> {
         let end = |share: f64| (share * self.samples as f64) as usize;
         let noise = |count: usize| self.noise / (count.max(1) as f64).sqrt();
-        let usual = end(BASELINE_SHARE);
-        if self.foot(usual) < MIN_FOOT_SHARE * noise(usual) {
-            return (0..usual, 0.0);
-        }
         let error = |count: usize| noise(count).hypot(self.foot(count));
+        let rms =
+            |count: usize| Moments::of(trace.values.get(..count).unwrap_or_default()).deviation;
+        let usual = end(BASELINE_SHARE);
         let shorter = SHORTER_SHARES.map(end).into_iter().filter(|n| *n >= MIN_BASELINE_SAMPLES);
         let ends = std::iter::once(usual).chain(shorter);
-        let best = ends.min_by(|a, b| error(*a).total_cmp(&error(*b))).unwrap_or(usual);
-        (0..best, self.foot(best))
+        let resting: Vec<usize> = ends.filter(|n| !self.is_moving(rms(*n), *n)).collect();
+        let Some(longest) = resting.first().copied() else {
+            let (trace, noise) = (trace.name.clone(), self.noise);
+            return Err(PulseError::NotAtRest { trace, rms: rms(usual), noise });
+        };
+        if !has_foot || self.foot(longest) < MIN_FOOT_SHARE * noise(longest) {
+            return Ok((0..longest, 0.0));
+        }
+        let best = resting.into_iter().min_by(|a, b| error(*a).total_cmp(&error(*b)));
+        let best = best.unwrap_or(longest);
+        let foot = self.foot(best);
+        if foot > MAX_FOOT_SHARE * self.top && best >= MIN_BASELINE_SAMPLES {
+            let (trace, share) = (trace.name.clone(), foot / self.top);
+            return Err(PulseError::NoZero { trace, share });
+        }
+        Ok((0..best, foot))
     }
 
     /// True if a baseline of `count` samples with this root mean square varies by more than noise:

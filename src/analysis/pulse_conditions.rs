@@ -29,6 +29,17 @@ pub enum PulseError {
         /// How many there are.
         samples: usize,
     },
+    /// The record begins amid the pulse's foot.
+    #[error(
+        "{trace} begins so shortly before the pulse that its foot hides the zero, by about {:.0} % of the largest value; begin the record earlier (more pre-trigger)",
+        100.0 * share
+    )]
+    NoZero {
+        /// The trace's name.
+        trace: String,
+        /// Mean of the foot over the largest value (1).
+        share: f64,
+    },
     /// The record begins in motion.
     #[error(
         "{trace} is not at rest before the pulse: it varies by {rms:.2e}, its noise is {noise:.2e}; begin the record earlier (more pre-trigger), or remove drift and hum"

@@ -43,6 +43,8 @@
 use std::f64::consts::TAU;
 use std::fmt;
 
+use serde::{Serialize, Serializer};
+
 use super::fourier::Fourier;
 use super::gate::Gate;
 use crate::numeric::roots::vertex;
@@ -148,7 +150,7 @@ pub enum SpectrumError {
 }
 
 /// Amplitudes at evenly spaced frequencies from zero.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Spectrum {
     /// Unit of the amplitudes, `N` or `N/sqrt(Hz)`.
     pub unit: String,
@@ -157,8 +159,10 @@ pub struct Spectrum {
     /// Window of the record.
     pub window: Window,
     /// From one bin to the next, `1/(N dt)` (Hz).
+    #[serde(rename = "step_hz")]
     pub step: f64,
     /// Resolution, the least distance of two separate lines, `1/(M dt)` (Hz).
+    #[serde(rename = "resolution_hz")]
     pub resolution: f64,
     /// Samples of the record, `M`.
     pub samples: usize,
@@ -324,6 +328,18 @@ impl Window {
             Self::Hann => 2.0,
             Self::FlatTop => 5.0,
         }
+    }
+}
+
+impl Serialize for Convention {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl Serialize for Window {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
     }
 }
 

@@ -118,7 +118,7 @@ impl PreparedRecord {
             return Err(Exclusion::NotFinite);
         }
         let conditions = Conditions { level: record.level, ..Conditions::default() };
-        let found = Baseline::with_rest(trace, &conditions, &|| scatter);
+        let found = Baseline::with_rest(trace, (&conditions, false), &|| scatter);
         let (baseline, rest) = match found {
             Ok((baseline, rest)) if baseline.samples >= MIN_BASELINE_SAMPLES => (baseline, rest),
             Ok(_) | Err(PulseError::NoBaseline { .. })

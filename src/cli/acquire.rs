@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Context as _, bail};
 use clap::Args;
-use serde_json::json;
+use serde::Serialize;
 use signal_hook::consts::TERM_SIGNALS;
 
 use super::overwrite::ending;
@@ -21,7 +21,7 @@ use crate::recording::TraceSet;
 /// or GPIB behind a Prologix adapter
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// The scope: `tcp://HOST:PORT`, `serial:/dev/ttyUSB0?baud=19200` (hard flagging), or
+    /// The scope: `tcp://HOST:PORT`, `serial:/dev/ttyUSB0?baud=19200` (RTS/CTS flow control), or
     /// `prologix://HOST?gpib=1`
     #[arg(value_parser = str::parse::<Address>)]
     address: Address,
@@ -75,7 +75,7 @@ struct Troubles {
 }
 
 impl Troubles {
-    /// Counts an event of `shot`, and tells the user of it.
+    /// Counts an event of `shot` and reports it to the user.
     fn note(&mut self, event: &AcquisitionEvent, (shot, trigger): (&str, &str), quiet: bool) {
         let (is_trouble, words) = match event {
             AcquisitionEvent::Armed => {
@@ -107,6 +107,20 @@ impl Troubles {
     }
 }
 
+/// What was recorded.
+#[derive(Serialize)]
+struct Acquired<'a> {
+    file: &'a Path,
+    shots: u32,
+    address: String,
+    model: &'a str,
+    serial: &'a str,
+    firmware: &'a str,
+    line_failures: u32,
+    dropped: u32,
+    contradictions: u32,
+}
+
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     ending(&arguments.output, &["mcap"])?;
     let stop = StopSignal::new()?;
@@ -114,22 +128,25 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut troubles = Troubles::default();
     let recorded = record(arguments, &mut scope, &mut troubles);
     let instrument = scope.instrument().clone();
-    // The scope is put back whatever became of the recording; what failed first is told.
+    // The scope is restored in every case; the first error is reported.
     let restored = scope.end();
     let (file, shots) = recorded?;
     restored?;
-    if arguments.json {
-        let found = json!({
-            "file": file, "shots": shots, "address": arguments.address.to_string(), "model": instrument.model,
-            "serial": instrument.serial, "firmware": instrument.firmware,
-            "line_failures": troubles.line_failures, "dropped": troubles.dropped,
-            "contradictions": troubles.contradictions,
-        });
-        super::print(&serde_json::to_string_pretty(&found)?)?;
-    } else {
+    let found = Acquired {
+        file: &file,
+        shots,
+        address: arguments.address.to_string(),
+        model: &instrument.model,
+        serial: &instrument.serial,
+        firmware: &instrument.firmware,
+        line_failures: troubles.line_failures,
+        dropped: troubles.dropped,
+        contradictions: troubles.contradictions,
+    };
+    super::show(&found, arguments.json, |found| {
         let plural = if shots == 1 { "" } else { "s" };
-        super::print(&format!("recorded    {}: {shots} shot{plural}", file.display()))?;
-    }
+        format!("recorded    {}: {shots} shot{plural}", found.file.display())
+    })?;
     if let Some(wanted) = arguments.shots.filter(|wanted| *wanted > shots) {
         bail!("stopped after {shots} of {wanted} shots");
     }

@@ -2,19 +2,16 @@
 
 use std::path::PathBuf;
 
-use anyhow::Context as _;
 use clap::Args;
-use serde_json::json;
+use serde::Serialize;
 
-use super::acquire::one_shot;
 use super::input::{ReadingArguments, no_capture};
-use super::picture;
-use crate::files;
-use crate::measurement::arrivals::survey;
-use crate::measurement::statistics::statistics;
-use crate::recording::TraceSet;
-use crate::recording::format::for_each_shot;
+use super::picture::{self, PlotArguments};
+use crate::measurement::arrivals::{Survey, survey};
+use crate::measurement::statistics::{ShotStatistic, statistics};
+use crate::recording::Shot;
 use crate::report;
+use crate::table;
 
 /// Show when the first pulse arrived at each channel, its speed, and how well shots repeat; with
 /// uncertainties
@@ -28,6 +25,8 @@ pub struct Arguments {
     /// Write statistics over all shots into this table
     #[arg(short, long, value_name = "FILE.csv", value_parser = csv)]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    plot: PlotArguments,
     /// Print as JSON: shots and statistics
     #[arg(long)]
     json: bool,
@@ -41,39 +40,49 @@ fn csv(text: &str) -> Result<PathBuf, String> {
     }
 }
 
-pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let (mut surveys, mut problems) = (Vec::new(), Vec::new());
-    let reading = &arguments.reading;
-    let mut take = |mut set: TraceSet| {
-        problems = std::mem::take(&mut set.problems);
-        reading.apply(&mut set)?;
-        let shots = set.shots.iter().filter(|shot| !shot.captures.is_empty());
-        surveys.extend(shots.map(|shot| survey(&set, shot)));
-        anyhow::Ok(())
-    };
-    match reading.selection.shot() {
-        Some(number) => take(reading.table.open_shot(&arguments.file, number)?)?,
-        None => match one_shot(&arguments.file)? {
-            Some(set) => take(set)?,
-            None => for_each_shot(&arguments.file, &reading.table.columns(), take)?,
-        },
+/// Arrivals of all shots.
+#[derive(Serialize)]
+struct AllArrivals {
+    shots: Vec<Survey>,
+    statistics: Vec<ShotStatistic>,
+    problems: Vec<String>,
+}
+
+impl AllArrivals {
+    fn text(&self) -> String {
+        let mut pages: Vec<String> = self.shots.iter().map(report::arrivals).collect();
+        if self.shots.len() > 1 {
+            pages.push(report::statistics(&self.statistics));
+        }
+        pages.extend(self.problems.iter().map(|problem| format!("problem: {problem}")));
+        pages.join("\n\n")
     }
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    arguments.plot.check()?;
+    let mut recording = arguments.reading.open_recording(&arguments.file)?;
+    let problems = recording.facts().problems.clone();
+    let mut surveys = Vec::new();
+    let mut first: Option<Shot> = None;
+    arguments.reading.for_each_shot(&mut recording, |set| {
+        for shot in set.shots.iter().filter(|shot| !shot.captures.is_empty()) {
+            surveys.push(survey(set, shot));
+            first.get_or_insert_with(|| shot.clone());
+        }
+        Ok(())
+    })?;
     if surveys.is_empty() {
         return Err(no_capture(&problems));
     }
     let statistics = statistics(&surveys);
     if let Some(file) = &arguments.output {
-        files::write(file, report::statistics_csv(&statistics))
-            .with_context(|| file.display().to_string())?;
+        table::write(file, &report::statistics_table(&statistics))?;
     }
-    if arguments.json {
-        let all = json!({ "shots": surveys, "statistics": statistics, "problems": problems });
-        return super::print(&serde_json::to_string_pretty(&all)?);
+    let all = AllArrivals { shots: surveys, statistics, problems };
+    if let (Some(shot), Some(found)) = (&first, all.shots.first()) {
+        let title = format!("{}, shot {}", arguments.file.display(), shot.number);
+        arguments.plot.save(&all, || report::arrivals_picture(found, shot, &title))?;
     }
-    let mut pages: Vec<String> = surveys.iter().map(report::arrivals).collect();
-    if surveys.len() > 1 {
-        pages.push(report::statistics(&statistics));
-    }
-    pages.extend(problems.iter().map(|problem| format!("problem: {problem}")));
-    super::print(&pages.join("\n\n"))
+    super::show(&all, arguments.json, AllArrivals::text)
 }

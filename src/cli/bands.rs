@@ -4,14 +4,13 @@ use std::path::PathBuf;
 
 use anyhow::bail;
 use clap::Args;
-use serde_json::json;
 
 use super::picture::PlotArguments;
-use super::spectrum::add_band_edges;
+use super::value::{ABOVE_ZERO, quantity};
 use crate::analysis::dispersion::DiatomicChain;
 use crate::measurement::metadata;
-use crate::quantity::{Dimension, parse};
-use crate::report;
+use crate::quantity::Dimension;
+use crate::report::dispersion::{BandsPage, PressedChain};
 use crate::scene::{Scene, Site};
 
 /// Points from the lowest to the highest preload.
@@ -27,24 +26,16 @@ pub struct Arguments {
     #[arg(long, value_name = "N")]
     particle: Option<usize>,
     /// Lowest preload
-    #[arg(long, value_name = "F", default_value = "0.1N", value_parser = force)]
+    #[arg(long, value_name = "F", default_value = "0.1N", value_parser = quantity(Dimension::FORCE, ABOVE_ZERO, "2.38N"))]
     from: f64,
     /// Highest preload
-    #[arg(long, value_name = "F", default_value = "100N", value_parser = force)]
+    #[arg(long, value_name = "F", default_value = "100N", value_parser = quantity(Dimension::FORCE, ABOVE_ZERO, "2.38N"))]
     to: f64,
     /// Print as JSON
     #[arg(long)]
     json: bool,
     #[command(flatten)]
     plot: PlotArguments,
-}
-
-fn force(text: &str) -> Result<f64, String> {
-    match parse(text, Dimension::FORCE) {
-        Ok(force) if force > 0.0 => Ok(force),
-        Ok(_) => Err(format!("found {text}, expected a force above zero")),
-        Err(error) => Err(format!("{error}, expected a force, e.g. 2.38N")),
-    }
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
@@ -75,18 +66,12 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         (0..POINTS).map(|i| at(arguments.from * step.powf(f64::from(i)))).collect();
     rows.push(at(now));
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let title = format!("{}, around particle {particle}", scene.name);
-    arguments.plot.save(|| report::chart(&report::bands_curve(&rows, now), &title))?;
-    if !arguments.json {
-        return super::print(&report::bands(&title, &rows, now));
-    }
-    let points = rows.iter().map(|(force, chain)| {
-        let mut point =
-            json!({ "preload_n": force, "long_wave_speed_m_per_s": chain.sound_speed() });
-        add_band_edges(&mut point, Some(chain));
-        point
-    });
-    super::print(&serde_json::to_string_pretty(&json!({
-        "scene": scene.name, "particle": particle, "preload_n": now, "bands": points.collect::<Vec<_>>(),
-    }))?)
+    let page = BandsPage {
+        scene: scene.name,
+        particle,
+        preload: now,
+        bands: rows.into_iter().map(|(force, chain)| PressedChain::new(force, chain)).collect(),
+    };
+    arguments.plot.save(&page, || page.picture())?;
+    super::show(&page, arguments.json, BandsPage::text)
 }

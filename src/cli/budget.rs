@@ -68,10 +68,6 @@ impl DrawArguments {
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     arguments.plot.check()?;
     let found = arguments.draws.predict(&arguments.scene, false, arguments.quiet)?;
-    arguments.plot.save(|| report::budget_picture(&found))?;
-    if arguments.json {
-        super::print(&serde_json::to_string_pretty(&found)?)
-    } else {
-        super::print(&report::uncertainty_budget(&found))
-    }
+    arguments.plot.save(&found, || report::budget_picture(&found))?;
+    super::show(&found, arguments.json, report::uncertainty_budget)
 }

@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use clap::Args;
-use serde_json::json;
+use serde::Serialize;
 
 use super::AnswerIsNo;
 use super::acquire::one_shot;
 use super::input::TableArguments;
 use super::progress::JobProgress;
-use crate::calibrate::blind::coverage;
+use crate::calibrate::blind::{CalibrationCoverage, coverage};
 use crate::calibrate::design::{Designer, TestDesign};
 use crate::calibrate::report::sensor_file;
 use crate::calibrate::{self, CalibrationReport};
@@ -20,6 +20,8 @@ use crate::recording::mcap;
 use crate::report::calibration::page;
 use crate::report::calibration_design::design_page;
 use crate::report::certificate::{certificate, pictures};
+use crate::report::plot::{Theme, svg};
+use crate::report::{check_finite, to_json};
 use crate::scene::plan::{self, CalibrationPlan, lab};
 
 /// Calibrate a sensor from the momentum of impacts: sensitivity, time constant, uncertainty budget,
@@ -77,18 +79,17 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut plan = plan::load(plan)?;
     acquire_impacts(&mut plan)?;
     let found = calibrate::run(&plan, &arguments.table.columns())?;
+    check_finite(&found)?;
     let refused = !found.contradictions.is_empty() && !arguments.force;
     if let Some(folder) = arguments.output.as_ref().filter(|_| !refused) {
         write(folder, &found)?;
     }
-    if arguments.json {
-        super::print(&serde_json::to_string_pretty(&found)?)?;
-    } else {
-        super::print(&page(&found))?;
-    }
+    super::show(&found, arguments.json, page)?;
     if refused {
         let wrong = found.contradictions.join("; ");
-        eprintln!("refused, nothing is certified (--force certifies it all the same): {wrong}");
+        super::say(&format!(
+            "refused, nothing is certified (--force certifies it all the same): {wrong}"
+        ));
         return Err(AnswerIsNo.into());
     }
     if arguments.json {
@@ -120,6 +121,16 @@ fn acquire_impacts(plan: &mut CalibrationPlan) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// The design of a calibration.
+#[derive(Serialize)]
+struct Design<'a> {
+    sensor: &'a str,
+    lab: Option<&'a Path>,
+    best: &'a TestDesign,
+    candidates: &'a [TestDesign],
+    blind: Option<&'a CalibrationCoverage>,
+}
+
 fn simulate(arguments: &Arguments) -> anyhow::Result<()> {
     let sensor = arguments.simulate.as_deref().unwrap_or_default();
     let mut lab = lab::load(arguments.lab.as_deref())?;
@@ -149,14 +160,12 @@ fn simulate(arguments: &Arguments) -> anyhow::Result<()> {
         Some(folder) => Some(write_test(folder, &designer, best)?),
         None => None,
     };
-    if arguments.json {
-        let design = json!({
-            "sensor": sensor, "lab": arguments.lab, "best": best, "candidates": candidates, "blind": checked,
-        });
-        return super::print(&serde_json::to_string_pretty(&design)?);
-    }
-    super::print(&design_page(sensor, designer.lab(), &candidates, checked.as_ref()))?;
-    if let Some(plan) = written {
+    let lab = arguments.lab.as_deref();
+    let design = Design { sensor, lab, best, candidates: &candidates, blind: checked.as_ref() };
+    super::show(&design, arguments.json, |design| {
+        design_page(sensor, designer.lab(), &candidates, design.blind)
+    })?;
+    if let Some(plan) = written.filter(|_| !arguments.json) {
         super::print(&format!("  plan        {}", plan.display()))?;
     }
     Ok(())
@@ -183,11 +192,13 @@ fn write(folder: &Path, report: &CalibrationReport) -> anyhow::Result<()> {
     let files = [
         ("certificate.md".to_owned(), markdown),
         ("certificate.html".to_owned(), html),
-        ("calibration.json".to_owned(), serde_json::to_string_pretty(report)? + "\n"),
+        ("calibration.json".to_owned(), to_json(report)? + "\n"),
         (format!("{sensor}.toml"), sensor_file(report)),
     ];
     let write = || {
         let new = NewFolder::replace(folder)?;
+        let pictures =
+            pictures.iter().map(|(name, sheet)| (name.clone(), svg(sheet, Theme::Light)));
         for (name, text) in files.into_iter().chain(pictures) {
             files::write(&new.join(name), text)?;
         }

@@ -1,26 +1,31 @@
-//! `hertzscope compare`: a measurement held against a simulation.
+//! `hertzscope compare`: a measurement compared with a simulation.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
+use serde::Serialize;
 
 use super::budget::DrawArguments;
-use super::input::{Selection, TableArguments, assignment, shot};
+use super::input::{
+    SensorAssignment, Selection, TableArguments, assignment, channels, shot, wire_all, wired,
+};
 use super::overwrite::ending;
+use super::picture::PlotArguments;
 use super::progress::JobProgress;
-use super::sensor::{SensorAssignment, wire_all, wired};
 use crate::experiment::{self, Integration, facts};
 use crate::files;
 use crate::measurement::compare::mapping::Assignment;
 use crate::measurement::compare::score_limits::ScoreLimits;
-use crate::measurement::compare::{Align, Compared, ComparedShot, compare};
+use crate::measurement::compare::{Align, Compared, ComparedShot, Comparison, compare};
 use crate::predict::{NormalisedError, judge, normalised_errors};
 use crate::recording::format::{Format, open_shot};
+use crate::recording::tek_csv::TableColumns;
 use crate::recording::{TraceSet, mcap};
 use crate::report;
-use crate::report::document::{Part, html, markdown};
+use crate::report::page::{self, Part, html, markdown};
+use crate::report::plot::{Theme, svg};
 use crate::scene::Scene;
 
 /// Compare a measurement with a simulation: scores for each channel; exit code 1 where they exceed
@@ -61,6 +66,8 @@ pub struct Arguments {
     /// Write a report with plots (.md, .html), or the measurement with its scores (.mcap)
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    plot: PlotArguments,
     /// Print as JSON
     #[arg(long)]
     json: bool,
@@ -89,18 +96,28 @@ impl From<AlignBy> for Align {
     }
 }
 
+/// The scores, with the normalised errors of an uncertain scene.
+#[derive(Serialize)]
+struct Scores<'a> {
+    #[serde(flatten)]
+    comparison: &'a Comparison,
+    normalised_errors: Vec<NormalisedError>,
+}
+
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    arguments.plot.check()?;
     if let Some(file) = &arguments.output {
         ending(file, &["md", "html", "mcap"])?;
     }
     let number = arguments.selection.single();
     if Format::of(Path::new(&arguments.simulated)).is_none() {
-        // A wrong scene is told before a scope is waited for.
+        // Errors of the scene are reported before a scope is waited for.
         Scene::load(&arguments.simulated)?;
     }
     let mut set = arguments.table.open_shot(&arguments.measured, number)?;
     arguments.selection.keep_channels(&mut set)?;
-    wire_all(&mut set, &arguments.sensor)?;
+    let names = channels(&set);
+    wire_all(&mut set, &names, &arguments.sensor)?;
     let simulation = Simulation::of(arguments)?;
     let name = arguments.measured.display().to_string();
     let measured =
@@ -116,27 +133,27 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut compared = compare(measured, simulated, how, &limits)?;
     let errors = errors(arguments, &simulation, &mut compared)?;
     let comparison = &compared.comparison;
+    let scores = Scores { comparison, normalised_errors: errors };
+    report::check_finite(&scores)?;
+    let title = format!("{name} against {}", arguments.simulated);
     if let Some(file) = &arguments.output {
-        let title = format!("{name} against {}", arguments.simulated);
         if ending(file, &["md", "html", "mcap"])? == "mcap" {
             let facts = report::comparison_facts(comparison);
             write_scores(file, &arguments.measured, &mut set, facts)?;
         } else {
-            write_document(file, &title, &|stem| report::comparison_parts(&compared, stem))?;
+            write_document(file, &title, &|stem| report::comparison_page(&compared, stem))?;
         }
     }
-    if arguments.json {
-        let mut scores = serde_json::to_value(comparison)?;
-        if let Some(fields) = scores.as_object_mut() {
-            fields.insert("normalised_errors".to_owned(), serde_json::to_value(&errors)?);
+    let picture = || page::picture(&title, &report::comparison_page(&compared, ""));
+    arguments.plot.save(&scores, picture)?;
+    super::show(&scores, arguments.json, |scores| {
+        let mut page = page::text(&report::comparison_page(&compared, ""));
+        if !scores.normalised_errors.is_empty() {
+            page.push_str("\n\n");
+            page.push_str(&report::normalised_error_lines(&scores.normalised_errors).join("\n"));
         }
-        super::print(&serde_json::to_string_pretty(&scores)?)?;
-    } else {
-        super::print(&report::comparison(comparison))?;
-        if !errors.is_empty() {
-            super::print(&format!("\n{}", report::normalised_error_lines(&errors).join("\n")))?;
-        }
-    }
+        page
+    })?;
     if comparison.failures.is_empty() { Ok(()) } else { Err(super::AnswerIsNo.into()) }
 }
 
@@ -170,7 +187,7 @@ impl Simulation {
     fn of(arguments: &Arguments) -> anyhow::Result<Self> {
         let path = Path::new(&arguments.simulated);
         if Format::of(path).is_some() {
-            let set = open_shot(path, arguments.simulated_shot)?;
+            let set = open_shot(path, arguments.simulated_shot, &TableColumns::default())?;
             return Ok(Self { set, shot: arguments.simulated_shot, scene: None });
         }
         let scene = Scene::load(&arguments.simulated)?;
@@ -197,15 +214,19 @@ pub fn write_document(
         _ => markdown(&parts),
     };
     let pictures = parts.iter().filter_map(|part| match part {
-        Part::Picture(name, _, svg) => Some((file.with_file_name(name), svg.as_str())),
+        Part::Picture(name, _, sheet) => {
+            Some((file.with_file_name(name), svg(sheet, Theme::Light)))
+        }
         _ => None,
     });
-    let mut all: Vec<(PathBuf, &str)> = pictures.collect();
+    let mut all: Vec<(PathBuf, String)> = pictures.collect();
     if ending(file, &["html"]).is_ok() {
         all.clear();
     }
     // The page last: it names the pictures.
-    all.push((file.to_owned(), &page));
+    all.push((file.to_owned(), page));
+    let all: Vec<(PathBuf, &str)> =
+        all.iter().map(|(file, text)| (file.clone(), text.as_str())).collect();
     files::write_together(&all)
         .map_err(|(file, error)| anyhow!(error).context(file.display().to_string()))
 }

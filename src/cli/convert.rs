@@ -10,16 +10,16 @@ use super::overwrite::OverwriteArguments;
 use super::picture;
 use super::plain_table::{TableContent, plain_table};
 use crate::files;
-use crate::recording::format::open_large;
+use crate::recording::format::{FORMATS, FileFormat, OpenError, Recording};
 use crate::recording::mcap::RecordingWriter;
-use crate::recording::mcap::indexed_recording::IndexedRecording;
 use crate::recording::tek_csv::TekCsvError;
-use crate::recording::{Capture, InstrumentIdentity, Shot, TraceSet, isf, mcap, tek_csv};
-use crate::report::{self, ScreenTheme};
+use crate::recording::{Capture, InstrumentIdentity, Shot, TraceSet};
+use crate::report;
+use crate::report::plot::Theme;
 use crate::scene::oscilloscope;
 use crate::scope::{Model, Source};
 use crate::screen::{PictureFormat, draw, file};
-use crate::sweep::table;
+use crate::table;
 
 use super::saved::saved;
 
@@ -67,97 +67,176 @@ enum Form {
     Tds,
 }
 
+/// Endings of files with one row for each sample, of pictures, and of the scope's own pictures.
+const TABLES: [&str; 3] = ["csv", "jsonl", "parquet"];
+const PICTURES: [&str; 2] = ["svg", "png"];
+const SCREENS: [(&str, PictureFormat); 3] =
+    [("bmp", PictureFormat::Bmp), ("tif", PictureFormat::Tiff), ("tiff", PictureFormat::Tiff)];
+
+/// What is written.
+#[derive(Debug, Clone, Copy)]
+enum Target {
+    /// A recording with all shots.
+    Recording,
+    /// A table of all shots.
+    Table,
+    /// A folder ALLnnnn for each shot.
+    Folders,
+    /// A file with a single capture.
+    File(&'static FileFormat),
+    /// A drawing of the first shot.
+    Picture,
+    /// The scope's screen at the first shot.
+    Screen(PictureFormat),
+}
+
+impl Target {
+    /// What the output's name, and the options, ask for.
+    fn of(arguments: &Arguments) -> anyhow::Result<Self> {
+        let output = &arguments.output;
+        let ending = output.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+        let is_folder = output.is_dir() || output.as_os_str().as_encoded_bytes().ends_with(b"/");
+        let ending = ending.as_deref();
+        let is_table = ending.is_some_and(|ending| TABLES.contains(&ending));
+        let file = ending.and_then(FileFormat::by_ending);
+        let file = file.filter(|_| !is_table || arguments.form == Form::Tds);
+        let screen = SCREENS.iter().find(|(known, _)| Some(*known) == ending);
+        let target = match (ending, file, screen) {
+            _ if is_folder => Self::Folders,
+            (None, ..) => Self::Folders,
+            (Some("mcap"), ..) => Self::Recording,
+            (_, Some(format), _) => Self::File(format),
+            _ if is_table => Self::Table,
+            (Some(picture), ..) if PICTURES.contains(&picture) => Self::Picture,
+            (.., Some((_, format))) => Self::Screen(*format),
+            (Some(other), ..) => bail!(
+                "{}: found the ending .{other}, expected .mcap, .csv, .jsonl, .parquet, .isf, .svg, .png, .bmp, .tif, or a folder",
+                output.display()
+            ),
+        };
+        if (arguments.truth || arguments.newtons) && !matches!(target, Self::Table) {
+            bail!("{}: --truth and --newtons are for tables (.csv)", output.display());
+        }
+        if arguments.light && !matches!(target, Self::Picture) {
+            bail!("{}: --light is for pictures (.svg, .png)", output.display());
+        }
+        Ok(target)
+    }
+}
+
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    if let Some(recording) = open_large(&arguments.input)? {
-        return shot_by_shot(arguments, recording);
-    }
-    let set = arguments.reading.table.open(&arguments.input)?;
-    for problem in &set.problems {
+    let mut recording = arguments.reading.open_recording(&arguments.input)?;
+    for problem in &recording.facts().problems {
         super::say(&format!("warning: {}: {problem}", arguments.input.display()));
     }
-    convert(arguments, set)
-}
-
-/// Converts a recording that is too large to be read at once: each shot by itself.
-fn shot_by_shot(arguments: &Arguments, mut recording: IndexedRecording) -> anyhow::Result<()> {
-    let output = &arguments.output;
-    let facts = recording.facts();
-    for problem in &facts.problems {
-        super::say(&format!("warning: {}: {problem}", arguments.input.display()));
-    }
-    let ending = output.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-    match ending.as_deref() {
-        Some("mcap") => return recording_shot_by_shot(arguments, recording),
-        Some("isf" | "csv")
-            if recording.shots() > 1 && arguments.reading.selection.shot().is_none() =>
-        {
-            bail!(
-                "found {} shots, expected one for a single file: give a folder, or --shot",
-                recording.shots()
-            )
-        }
-        _ => {}
-    }
-    let is_folder = ending.is_none();
-    for place in 0..recording.shots() {
-        let Some((shot, notes)) = recording.shot_and_notes(place)? else { continue };
-        if shot.captures.is_empty() || !arguments.reading.selection.wants(shot.number) {
-            continue;
-        }
-        let mut set = TraceSet { problems: Vec::new(), ..facts.clone() };
-        set.notes.insert(shot.number, notes);
-        set.shots.push(shot);
-        convert(arguments, set)?;
-        // A picture is that of the first shot.
-        if !is_folder {
-            return Ok(());
-        }
-    }
-    Ok(())
-}
-
-/// Copies a recording that is too large to be read at once into another, with what the user says of
-/// it.
-fn recording_shot_by_shot(
-    arguments: &Arguments,
-    mut recording: IndexedRecording,
-) -> anyhow::Result<()> {
     let output = &arguments.output;
     refuse_input_as_output(arguments)?;
+    let target = Target::of(arguments)?;
     arguments.overwrite.check(output)?;
-    let facts = recording.facts();
-    let mut copy = None;
-    for place in 0..recording.shots() {
-        let Some((shot, notes)) = recording.shot_and_notes(place)? else { continue };
-        if !arguments.reading.selection.wants(shot.number) {
-            continue;
+    let model = arguments.instrument.as_deref().map(oscilloscope).transpose()?;
+    let written = match target {
+        Target::Recording => vec![copy(arguments, recording, model.as_ref())?],
+        Target::Table => {
+            let content = TableContent { truth: arguments.truth, newtons: arguments.newtons };
+            let set = arguments.reading.whole(recording)?;
+            table::write(output, &plain_table(&set, content)?)?;
+            vec![output.clone()]
         }
-        let mut set = facts.clone();
-        set.shots.push(shot);
-        prepare(arguments, &mut set)?;
-        let writer = match &mut copy {
-            Some(writer) => writer,
-            None => copy.insert(RecordingWriter::create(output, &set.metadata, &set.attachments)?),
-        };
-        for shot in &set.shots {
-            writer.add(shot, &notes)?;
-        }
-    }
-    let Some(writer) = copy else {
-        bail!("found no such shot: the file has {}", recording.shots());
+        _ => by_shots(arguments, &mut recording, target, model.as_ref())?,
     };
-    let file = writer.finish()?;
-    let messages = recording.traffic().commands + recording.traffic().replies;
-    if messages > 0 {
-        let input = arguments.input.display();
-        super::say(&format!(
-            "warning: {input}: {messages} messages of its remote sessions are not copied (a recording of this size is copied by shots)"
-        ));
-    }
     if !arguments.quiet {
-        super::print(&file.display().to_string())?;
+        for file in written {
+            super::print(&file.display().to_string())?;
+        }
     }
     Ok(())
+}
+
+/// Writes the files of each shot, or one file of the first.
+fn by_shots(
+    arguments: &Arguments,
+    recording: &mut Recording,
+    mut target: Target,
+    model: Option<&Model>,
+) -> anyhow::Result<Vec<PathBuf>> {
+    let mut output = arguments.output.clone();
+    let mut written = Vec::new();
+    if let Target::File(format) = target {
+        let captures = arguments.reading.selection.captures(recording)?;
+        if captures > 1 && format.is_in_folders {
+            // In folders beside each other in one of the file's name.
+            (target, output) = (Target::Folders, output.with_extension(""));
+        } else if captures > 1 {
+            bail!(
+                "found {captures} captures, expected one: an .{} file holds a single channel; choose it with --shot and --channel",
+                format.ending
+            );
+        }
+    }
+    arguments.reading.for_each_shot(recording, |set| {
+        name_instrument(set, model);
+        let Some(shot) = set.shots.iter().find(|shot| !shot.captures.is_empty()) else {
+            return Ok(());
+        };
+        if matches!(target, Target::Folders) {
+            written.extend(folder(set, shot, &output)?);
+            return Ok(());
+        }
+        if !written.is_empty() {
+            return Ok(());
+        }
+        match (target, shot.captures.first()) {
+            (Target::File(format), Some(capture)) => save(&output, bytes(format, capture)?)?,
+            (Target::Screen(format), _) => {
+                save(&output, file(&draw(&saved(set, shot)?.screen), format))?;
+            }
+            _ => {
+                let theme = if arguments.light { Theme::Light } else { Theme::Dark };
+                draw_screen(set, shot, &output, theme)?;
+            }
+        }
+        written.push(output.clone());
+        Ok(())
+    })?;
+    if written.is_empty() {
+        return Err(no_capture(&recording.facts().problems));
+    }
+    Ok(written)
+}
+
+fn save(file: &Path, bytes: impl AsRef<[u8]>) -> anyhow::Result<()> {
+    files::write(file, bytes).with_context(|| file.display().to_string())
+}
+
+/// Copies a recording shot by shot, with its remote sessions and what the user says of it.
+fn copy(
+    arguments: &Arguments,
+    mut recording: Recording,
+    model: Option<&Model>,
+) -> anyhow::Result<PathBuf> {
+    let places = arguments.reading.selection.shots(&recording)?;
+    arguments.reading.count_gains(&mut recording)?;
+    let facts = recording.facts();
+    let mut writer =
+        RecordingWriter::create(&arguments.output, &facts.metadata, &facts.attachments)?;
+    let before = facts.notes.get(&0).cloned().unwrap_or_default();
+    writer.add_log(&before.log)?;
+    let mut from = 0;
+    for (place, number) in places {
+        let set = arguments.reading.selection.read(&mut recording, place)?;
+        name_instrument(set, model);
+        let Some(shot) = set.shots.pop() else { continue };
+        let notes = set.notes.remove(&number).unwrap_or_default();
+        for line in recording.lines(from, shot.timestamp_ns)? {
+            writer.add_line(&line)?;
+        }
+        from = shot.timestamp_ns.saturating_add(1);
+        writer.add(&shot, &notes)?;
+    }
+    for line in recording.lines(from, u64::MAX)? {
+        writer.add_line(&line)?;
+    }
+    Ok(writer.finish()?)
 }
 
 fn refuse_input_as_output(arguments: &Arguments) -> anyhow::Result<()> {
@@ -169,69 +248,9 @@ fn refuse_input_as_output(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Leaves out what is not meant, and notes what the user says of the rest.
-fn prepare(arguments: &Arguments, set: &mut TraceSet) -> anyhow::Result<()> {
-    arguments.reading.apply(set)?;
-    if let Some(name) = &arguments.instrument {
-        name_instrument(set, &oscilloscope(name)?);
-    }
-    Ok(())
-}
-
-fn convert(arguments: &Arguments, mut set: TraceSet) -> anyhow::Result<()> {
-    prepare(arguments, &mut set)?;
-    let output = &arguments.output;
-    refuse_input_as_output(arguments)?;
-    let is_folder = output.is_dir() || output.as_os_str().as_encoded_bytes().ends_with(b"/");
-    arguments.overwrite.check(output)?;
-    let extension = output.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-    let is_table = match extension.as_deref() {
-        Some("csv") => arguments.form == Form::Table,
-        Some("jsonl" | "parquet") => true,
-        _ => false,
-    };
-    if (arguments.truth || arguments.newtons) && !is_table {
-        bail!("{}: --truth and --newtons are for tables (.csv)", output.display());
-    }
-    if arguments.light && !matches!(extension.as_deref(), Some("svg" | "png")) {
-        bail!("{}: --light is for pictures (.svg, .png)", output.display());
-    }
-    let written = match extension.as_deref() {
-        _ if is_folder => folders(&set, output)?,
-        Some("mcap") => {
-            mcap::write(output, &set)?;
-            vec![output.clone()]
-        }
-        _ if is_table => {
-            let content = TableContent { truth: arguments.truth, newtons: arguments.newtons };
-            table::write(output, &plain_table(&set, content)?)?;
-            vec![output.clone()]
-        }
-        Some("csv") => csv_file(&set, output)?,
-        Some("isf") => isf_file(&set, output)?,
-        Some("svg" | "png") => {
-            let theme = if arguments.light { ScreenTheme::Light } else { ScreenTheme::Dark };
-            draw_screen(&set, output, theme)?;
-            vec![output.clone()]
-        }
-        Some("bmp") => screen(&set, output, PictureFormat::Bmp)?,
-        Some("tif" | "tiff") => screen(&set, output, PictureFormat::Tiff)?,
-        None => folders(&set, output)?,
-        Some(other) => bail!(
-            "{}: found the ending .{other}, expected .mcap, .csv, .jsonl, .parquet, .isf, .svg, .png, .bmp, .tif, or a folder",
-            output.display()
-        ),
-    };
-    if !arguments.quiet {
-        for file in written {
-            super::print(&file.display().to_string())?;
-        }
-    }
-    Ok(())
-}
-
 /// Gives captures of an unknown instrument one of this model.
-fn name_instrument(set: &mut TraceSet, model: &Model) {
+fn name_instrument(set: &mut TraceSet, model: Option<&Model>) {
+    let Some(model) = model else { return };
     for capture in set.shots.iter_mut().flat_map(|shot| &mut shot.captures) {
         capture.instrument.get_or_insert_with(|| InstrumentIdentity {
             model: model.name.replace(' ', ""),
@@ -241,90 +260,36 @@ fn name_instrument(set: &mut TraceSet, model: &Model) {
     }
 }
 
-/// The first shot that has captures.
-fn first_shot(set: &TraceSet) -> anyhow::Result<&Shot> {
-    let Some(shot) = set.shots.iter().find(|shot| !shot.captures.is_empty()) else {
-        return Err(no_capture(&set.problems));
-    };
-    Ok(shot)
-}
-
-/// The scope's own picture of its screen at the first shot that has captures.
-fn screen(set: &TraceSet, path: &Path, format: PictureFormat) -> anyhow::Result<Vec<PathBuf>> {
-    let saved = saved(set, first_shot(set)?)?;
-    let bytes = file(&draw(&saved.screen), format);
-    files::write(path, bytes).with_context(|| path.display().to_string())?;
-    Ok(vec![path.to_owned()])
-}
-
-/// The screen at the first shot that has captures, as a drawing.
-fn draw_screen(set: &TraceSet, file: &Path, theme: ScreenTheme) -> anyhow::Result<()> {
-    let shot = first_shot(set)?;
+/// The screen at a shot, as a drawing.
+fn draw_screen(set: &TraceSet, shot: &Shot, file: &Path, theme: Theme) -> anyhow::Result<()> {
     let facts = set.metadata.get("hertzscope:recording");
     let file_name = set.attachments.first().map(|attachment| &attachment.name);
     let title = facts.and_then(|facts| facts.get("title")).or(file_name).map_or("", String::as_str);
-    picture::save(file, &report::screen(shot, title, theme))
+    picture::save(file, &report::screen(shot, title), theme)
 }
 
-/// The single capture of a set.
-fn isf_file(set: &TraceSet, file: &Path) -> anyhow::Result<Vec<PathBuf>> {
-    let captures: Vec<&Capture> = set.shots.iter().flat_map(|shot| &shot.captures).collect();
-    let [capture] = captures.as_slice() else {
-        bail!(
-            "found {} captures, expected one: an .isf file holds a single channel",
-            captures.len()
-        );
-    };
-    let bytes = isf::write(capture, isf::Width::One)?;
-    files::write(file, bytes).with_context(|| file.display().to_string())?;
-    Ok(vec![file.to_owned()])
-}
-
-/// A capture as the scope saves it.
-fn native(capture: &Capture) -> anyhow::Result<String> {
-    match tek_csv::write(capture) {
-        Err(error @ TekCsvError::NoInstrument) => {
+/// A capture as a file.
+fn bytes(format: &FileFormat, capture: &Capture) -> anyhow::Result<Vec<u8>> {
+    match (format.write)(capture) {
+        Err(error @ OpenError::TekCsv(TekCsvError::NoInstrument)) => {
             Err(anyhow!("{error}; `--instrument MODEL` gives it one"))
         }
         other => Ok(other?),
     }
 }
 
-/// A single capture goes into the file itself, several into folders beside each other in one of the
-/// file's name.
-fn csv_file(set: &TraceSet, file: &Path) -> anyhow::Result<Vec<PathBuf>> {
-    let mut captures = set.shots.iter().flat_map(|shot| &shot.captures);
-    match (captures.next(), captures.next()) {
-        (None, _) => Err(no_capture(&set.problems)),
-        (Some(capture), None) => {
-            files::write(file, native(capture)?).with_context(|| file.display().to_string())?;
-            Ok(vec![file.to_owned()])
-        }
-        (Some(_), Some(_)) => folders(set, &file.with_extension("")),
-    }
-}
-
-/// One folder a shot, one file a channel with set-up and screen, numbered on from what is there as
-/// the scope does.
-fn folders(set: &TraceSet, parent: &Path) -> anyhow::Result<Vec<PathBuf>> {
-    let mut written = Vec::new();
-    for shot in set.shots.iter().filter(|shot| !shot.captures.is_empty()) {
-        // Everything is put into words before a folder is made: a capture that cannot be written
-        // leaves no half of it.
-        let contents = contents(set, shot)?;
-        let name = |number| format!("ALL{number:04}");
-        let files = |number| {
-            let named =
-                |(name, bytes): &(String, Vec<u8>)| (format!("F{number:04}{name}"), bytes.clone());
-            contents.iter().map(named).collect()
-        };
-        let made = files::write_numbered_folder(parent, name, files);
-        written.extend(made.with_context(|| parent.display().to_string())?);
-    }
-    if written.is_empty() {
-        return Err(no_capture(&set.problems));
-    }
-    Ok(written)
+/// A folder with one file for each channel of a shot, its set-up and its screen, numbered on from
+/// the folders that exist, as the scope does.
+fn folder(set: &TraceSet, shot: &Shot, parent: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    // All contents are made before the folder: a capture that cannot be written leaves none.
+    let contents = contents(set, shot)?;
+    let name = |number| format!("ALL{number:04}");
+    let files = |number| {
+        let named =
+            |(name, bytes): &(String, Vec<u8>)| (format!("F{number:04}{name}"), bytes.clone());
+        contents.iter().map(named).collect()
+    };
+    files::write_numbered_folder(parent, name, files).with_context(|| parent.display().to_string())
 }
 
 /// The files of one shot, by their names behind the number.
@@ -336,7 +301,10 @@ fn contents(set: &TraceSet, shot: &Shot) -> anyhow::Result<Vec<(String, Vec<u8>)
             Source::Math => "MTH".to_owned(),
             Source::Reference(letter) => format!("RF{letter}"),
         };
-        files.push((format!("{channel}.CSV"), native(capture)?.into_bytes()));
+        let format = FORMATS.iter().find(|format| format.is_in_folders);
+        let Some(format) = format else { continue };
+        let ending = format.ending.to_ascii_uppercase();
+        files.push((format!("{channel}.{ending}"), bytes(format, capture)?));
     }
     let saved = saved(set, shot)?;
     if let Some(set_up) = saved.set_up {

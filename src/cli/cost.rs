@@ -51,12 +51,12 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     progress.done();
     let found = found.map_err(|error| anyhow!("{}: no reference: {error}", scene.name))?;
     let work = if arguments.evaluations { WorkMeasure::Evaluations } else { WorkMeasure::Time };
-    arguments.plot.save(|| report::work_precision_svg(&found, work))?;
+    arguments.plot.save(&found, || report::work_precision_picture(&found, work))?;
     if let Some(file) = &arguments.record {
         record(file, &scene, &found)?;
     }
     if arguments.json {
-        super::print(&serde_json::to_string_pretty(&found)?)
+        super::show(&found, true, |_| String::new())
     } else {
         super::print_as_it_is(&report::work_precision(&found, work, super::is_coloured()))
     }
@@ -82,7 +82,8 @@ fn record(file: &Path, scene: &Scene, study: &CostStudy) -> anyhow::Result<()> {
         media_type: "application/json".to_owned(),
         data: serde_json::to_vec_pretty(study)?,
     };
-    let attachments = [facts::scene_attachment(&scene), study];
+    let attachments: Vec<Attachment> =
+        facts::scene_attachments(&scene).into_iter().chain([study]).collect();
     let known = facts::facts(&scene, integration)?;
     let mut writer = RecordingWriter::create(file, &known, &attachments)?;
     writer.add(&outcome.shot, &facts::shot_notes(&scene, &outcome))?;

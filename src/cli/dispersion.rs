@@ -1,17 +1,18 @@
 //! `hertzscope dispersion`: the waves of a recording on the dispersion relation of its chain.
 
+use std::ops::Bound;
 use std::path::PathBuf;
 
 use anyhow::bail;
 use clap::Args;
-use serde_json::json;
 
 use super::input::ReadingArguments;
 use super::picture::PlotArguments;
-use super::signal::time;
+use super::value::quantity;
 use crate::analysis::gate::Gate;
 use crate::analysis::wavenumber::spectral_lines;
 use crate::measurement::metadata;
+use crate::quantity::Dimension;
 use crate::recording::TrueSignal;
 use crate::report::dispersion::DispersionPage;
 use crate::scene::Site;
@@ -19,8 +20,6 @@ use crate::trace::Trace;
 
 /// Waves are looked for up to this multiple of the top of the optical branch (1).
 const FREQUENCY_MARGIN: f64 = 1.2;
-/// A share in percent (1).
-const PERCENT: f64 = 0.01;
 
 /// Show frequency and wavenumber of the waves in a simulated recording, with the chain's dispersion
 /// relation
@@ -34,14 +33,14 @@ pub struct Arguments {
     #[arg(long, value_name = "N")]
     particle: Option<usize>,
     /// Start, e.g. 200us, after the striker's first contact
-    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    #[arg(long, value_name = "T", value_parser = quantity(Dimension::TIME, .., "200us"), allow_hyphen_values = true)]
     from: Option<f64>,
-    /// End
-    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    /// Stop at this time
+    #[arg(long, value_name = "T", value_parser = quantity(Dimension::TIME, .., "200us"), allow_hyphen_values = true)]
     to: Option<f64>,
-    /// Show waves whose amplitude reaches this percentage of the largest (%)
-    #[arg(long, value_name = "PERCENT", default_value_t = 2.0, value_parser = percent)]
-    least: f64,
+    /// Show waves whose amplitude reaches this share of the largest
+    #[arg(long, value_name = "SHARE", default_value = "2%", value_parser = quantity(Dimension::NONE, (Bound::Excluded(0.0), Bound::Included(1.0)), "2%"))]
+    min_amplitude: f64,
     /// Print as JSON
     #[arg(long)]
     json: bool,
@@ -49,51 +48,11 @@ pub struct Arguments {
     plot: PlotArguments,
 }
 
-fn percent(text: &str) -> Result<f64, String> {
-    let value: f64 = text
-        .trim_end_matches('%')
-        .trim()
-        .parse()
-        .map_err(|_| format!("found {text}, expected a number of percent, e.g. 10"))?;
-    if value > 0.0 && value <= 100.0 {
-        Ok(value)
-    } else {
-        Err(format!("found {text}, expected more than 0 and at most 100 percent"))
-    }
-}
-
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     arguments.plot.check()?;
     let page = page(arguments)?;
-    arguments.plot.save(|| page.svg())?;
-    if !arguments.json {
-        return super::print(&page.text());
-    }
-    let lines = page.found.lines.iter().map(|line| {
-        json!({
-            "frequency_hz": line.frequency,
-            "phase_rad": line.phase,
-            "wavenumber_per_m": line.phase / page.chain.cell,
-            "height": line.height,
-            "onward": line.onward,
-            "theory_hz": page.theory(line),
-        })
-    });
-    let [acoustic, optical] = page.branches();
-    super::print(&serde_json::to_string_pretty(&json!({
-        "title": page.title,
-        "preload_n": page.preload,
-        "cell_m": page.chain.cell,
-        "cells": page.cells,
-        "f1_hz": page.chain.gap_bottom(),
-        "f2_hz": page.chain.gap_top(),
-        "f3_hz": page.chain.cutoff(),
-        "frequency_resolution_hz": page.found.frequency_resolution,
-        "phase_resolution_rad": page.found.phase_resolution,
-        "lines": lines.collect::<Vec<_>>(),
-        "acoustic": acoustic,
-        "optical": optical,
-    }))?)
+    arguments.plot.save(&page, || page.picture())?;
+    super::show(&page, arguments.json, DispersionPage::text)
 }
 
 fn page(arguments: &Arguments) -> anyhow::Result<DispersionPage> {
@@ -144,7 +103,7 @@ fn page(arguments: &Arguments) -> anyhow::Result<DispersionPage> {
             chain.cutoff()
         );
     }
-    let found = spectral_lines(&rows, interval, (highest, PERCENT * arguments.least))?;
+    let found = spectral_lines(&rows, interval, (highest, arguments.min_amplitude))?;
     let title =
         format!("{}: waves along the chain around particle {particle}", arguments.file.display());
     Ok(DispersionPage { title, chain, preload, found, cells: rows.len() })

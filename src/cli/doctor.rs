@@ -1,7 +1,7 @@
 //! `hertzscope doctor`: whether the installation is sound.
 
 use clap::Args;
-use serde_json::json;
+use serde::Serialize;
 
 use super::AnswerIsNo;
 use super::installation::{Check, examine};
@@ -14,6 +14,17 @@ pub struct Arguments {
     /// Print what was found as JSON
     #[arg(long)]
     json: bool,
+}
+
+/// State of the installation.
+#[derive(Serialize)]
+struct Installation {
+    version: &'static str,
+    features: Vec<&'static str>,
+    instructions: Vec<&'static str>,
+    instructions_used: &'static str,
+    checks: Vec<Check>,
+    sound: bool,
 }
 
 /// Parts that can be left out when the program is built.
@@ -30,29 +41,27 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let sets: Vec<&str> = InstructionSet::available().iter().map(|set| set.name()).collect();
     let features: Vec<&str> = FEATURES.iter().filter(|f| f.1).map(|f| f.0).collect();
     let version = env!("CARGO_PKG_VERSION");
-    if arguments.json {
-        let report = json!({
-            "version": version,
-            "features": features,
-            "instructions": sets,
-            "instructions_used": InstructionSet::best().name(),
-            "checks": checks,
-            "sound": sound,
-        });
-        super::print(&serde_json::to_string_pretty(&report)?)?;
-    } else {
+    let report = Installation {
+        version,
+        features,
+        instructions: sets,
+        instructions_used: InstructionSet::best().name(),
+        checks,
+        sound,
+    };
+    super::show(&report, arguments.json, |found| {
         let mut lines = vec![
-            format!("hertzscope {version}, features: {}", features.join(", ")),
+            format!("hertzscope {version}, features: {}", found.features.join(", ")),
             format!(
                 "instructions of this processor: {}; used: {} (choose with {VARIABLE})",
-                sets.join(", "),
-                InstructionSet::best().name()
+                found.instructions.join(", "),
+                found.instructions_used
             ),
         ];
-        lines.extend(checks.iter().map(line));
+        lines.extend(found.checks.iter().map(line));
         lines.push(if sound { "all is well" } else { "something is wrong" }.to_owned());
-        super::print(&lines.join("\n"))?;
-    }
+        lines.join("\n")
+    })?;
     if sound { Ok(()) } else { Err(AnswerIsNo.into()) }
 }
 

@@ -43,10 +43,6 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let found = ledger(&scene, accuracy, &mut |share| progress.at(share));
     progress.done();
     let found = found?;
-    arguments.plot.save(|| report::effects_svg(&found))?;
-    if arguments.json {
-        super::print(&serde_json::to_string_pretty(&found.entries)?)
-    } else {
-        super::print(&report::effects(&found, arguments.why))
-    }
+    arguments.plot.save(&found.entries, || report::effects_picture(&found))?;
+    super::show(&found.entries, arguments.json, |_| report::effects(&found, arguments.why))
 }

@@ -6,20 +6,23 @@ use anyhow::{Context as _, bail};
 use clap::Args;
 
 use super::AnswerIsNo;
+use super::accuracy::accuracy;
 use super::compare::write_document;
 use super::input::{Selection, TableArguments, assignment, shot};
-use super::overwrite::{OverwriteArguments, ending};
+use super::overwrite::ending;
+use super::picture::PlotArguments;
 use super::progress::JobProgress;
+use super::value::quantity;
 use crate::analysis::gate::Gate;
 use crate::files;
 use crate::fit::blind::blind;
 use crate::fit::{Fit, FitOptions, fit};
 use crate::measurement::compare::ComparedShot;
 use crate::measurement::compare::mapping::Assignment;
-use crate::quantity::{Dimension, Quantity, parse};
+use crate::quantity::{Dimension, Quantity};
 use crate::report;
+use crate::report::page::{picture, text};
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
-use crate::scene::{LOOSEST_ACCURACY, TIGHTEST_ACCURACY};
 
 /// Fit parameters of a scene to measured traces, with uncertainties: least squares, sensor and
 /// scope included
@@ -48,23 +51,23 @@ pub struct Arguments {
     gains: bool,
     /// Relative standard uncertainty of each channel's gain, e.g. 3%; 0 for exact ones
     /// [default: from the scope's and the sensor's files]
-    #[arg(long, value_name = "SHARE", value_parser = share)]
+    #[arg(long, value_name = "SHARE", value_parser = quantity(Dimension::NONE, 0.0..1.0, "10%"))]
     gain_u: Option<f64>,
     /// Take the zeros of the channels as exact: do not fit an offset for each
     #[arg(long)]
     no_offsets: bool,
     /// Ignore samples before this time after the trigger
-    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    #[arg(long, value_name = "T", value_parser = quantity(Dimension::TIME, .., "200us"), allow_hyphen_values = true)]
     from: Option<f64>,
     /// Ignore samples after this time after the trigger
-    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    #[arg(long, value_name = "T", value_parser = quantity(Dimension::TIME, .., "200us"), allow_hyphen_values = true)]
     to: Option<f64>,
     /// Number of starting points, the scene's values among them
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     starts: u32,
     /// Largest relative distance of starting points, or with --blind of true values, from the
     /// scene's values
-    #[arg(long, value_name = "SHARE", default_value = "10%", value_parser = share)]
+    #[arg(long, value_name = "SHARE", default_value = "10%", value_parser = quantity(Dimension::NONE, 0.0..1.0, "10%"))]
     spread: f64,
     /// Random seed of starting points and true values
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -77,7 +80,7 @@ pub struct Arguments {
     profile: bool,
     /// Test the fit: simulate this many measurements with random true values; shows how many
     /// intervals contain them
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000), conflicts_with_all = ["output", "report"])]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000), conflicts_with_all = ["output", "report", "plot"])]
     blind: Option<u32>,
     /// Write the fitted scene, with SCENE as its base, into this file
     #[arg(short, long, value_name = "FILE.toml")]
@@ -86,7 +89,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     #[command(flatten)]
-    overwrite: OverwriteArguments,
+    plot: PlotArguments,
     /// Print as JSON
     #[arg(long)]
     json: bool,
@@ -95,33 +98,15 @@ pub struct Arguments {
     quiet: bool,
 }
 
-fn time(text: &str) -> Result<f64, String> {
-    parse(text, Dimension::TIME).map_err(|error| format!("{error}, expected a time, e.g. 1ms"))
-}
-
-fn share(text: &str) -> Result<f64, String> {
-    match parse(text, Dimension::NONE) {
-        Ok(share) if (0.0..1.0).contains(&share) => Ok(share),
-        Ok(_) => Err(format!("found {text}, expected a share from 0 to below 1, e.g. 10%")),
-        Err(error) => Err(format!("{error}, expected a share, e.g. 10%")),
-    }
-}
-
-fn accuracy(text: &str) -> Result<f64, String> {
-    match parse(text, Dimension::NONE) {
-        Ok(value) if (TIGHTEST_ACCURACY..=LOOSEST_ACCURACY).contains(&value) => Ok(value),
-        _ => Err(format!("found {text}, expected {TIGHTEST_ACCURACY:e} to {LOOSEST_ACCURACY}")),
-    }
-}
-
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(file) = &arguments.output {
         ending(file, &["toml"])?;
     }
     if let Some(file) = &arguments.report {
         ending(file, &["md", "html"])?;
-        arguments.overwrite.check(file)?;
+        arguments.plot.overwrite.check(file)?;
     }
+    arguments.plot.check()?;
     let options = FitOptions {
         gains: arguments.gains,
         gain_u: arguments.gain_u,
@@ -198,25 +183,24 @@ fn run_fit(
     if let Err(error) = &found
         && error.has_no_result()
     {
-        eprintln!("not fitted: {error}");
+        super::say(&format!("not fitted: {error}"));
         return Err(AnswerIsNo.into());
     }
     let found = found?;
+    report::check_finite(&found.report)?;
     if let Some(file) = &arguments.output {
         let text = fitted_scene(&scene, &knobs, &found);
         files::write(file, text).with_context(|| file.display().to_string())?;
     }
     if let Some(file) = &arguments.report {
         let title = format!("{} fitted to {measured}", found.report.scene);
-        write_document(file, &title, &|stem| report::fit_parts(&found, stem))?;
+        write_document(file, &title, &|stem| report::fit_page(&found, stem))?;
     }
-    if arguments.json {
-        super::print(&serde_json::to_string_pretty(&found.report)?)?;
-    } else {
-        super::print(&report::fit(&found.report))?;
-        if let Some(file) = &arguments.output {
-            super::print(&format!("  scene    {}", file.display()))?;
-        }
+    let title = format!("{} fitted to {measured}", found.report.scene);
+    arguments.plot.save(&found.report, || picture(&title, &report::fit_page(&found, "")))?;
+    super::show(&found.report, arguments.json, |_| text(&report::fit_page(&found, "")))?;
+    if let Some(file) = arguments.output.as_ref().filter(|_| !arguments.json) {
+        super::print(&format!("  scene    {}", file.display()))?;
     }
     if found.report.only_noise_is_left { Ok(()) } else { Err(AnswerIsNo.into()) }
 }
@@ -242,8 +226,5 @@ fn run_blind(
     let found = blind(&scene, &knobs, trials, options, &mut |share| progress.at(share));
     progress.done();
     let found = found?;
-    if arguments.json {
-        return super::print(&serde_json::to_string_pretty(&found)?);
-    }
-    super::print(&report::blind(&found, name))
+    super::show(&found, arguments.json, |found| report::blind(found, name))
 }

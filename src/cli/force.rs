@@ -1,18 +1,16 @@
 //! `hertzscope force`: volts become newtons, with their uncertainty.
 
-use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use anyhow::{Context as _, bail};
+use anyhow::bail;
 use clap::Args;
-use serde_json::{Value, json};
 
 use super::input::ReadingArguments;
 use super::picture::PlotArguments;
-use crate::files;
 use crate::measurement::force::{Forces, forces};
 use crate::measurement::metadata;
-use crate::report;
+use crate::report::{self, ForcePage};
+use crate::table::{self, Cell, Column, Table};
 
 /// Convert volts into newtons by the sensors' calibration: corrected for droop, with uncertainties
 #[derive(Debug, Args)]
@@ -45,61 +43,32 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if found.is_empty() {
         bail!("found no channel with forces, expected at least one: {}", problems.join("; "));
     }
-    let title = format!("{}, shot {}", arguments.file.display(), shot.number);
-    arguments.plot.save(|| report::force_picture(&found, &title))?;
-    if let Some(file) = &arguments.output {
-        files::write(file, csv(&found)).with_context(|| file.display().to_string())?;
-    }
     let scene = metadata::scene_of(&set, shot.number).and_then(Result::ok);
     let hosts = scene.iter().flat_map(|s| found.iter().filter_map(|f| f.sensor.host_note(s)));
-    let notes: Vec<String> = hosts.collect();
-    if arguments.json {
-        let channels: Vec<Value> = found.iter().map(as_json).collect();
-        let all = json!({ "shot": shot.number, "channels": channels, "problems": problems, "notes": notes });
-        return super::print(&serde_json::to_string_pretty(&all)?);
+    let notes = hosts.collect();
+    let page = ForcePage { shot: shot.number, channels: found, problems, notes };
+    let title = format!("{}, shot {}", arguments.file.display(), shot.number);
+    arguments.plot.save(&page, || report::force_picture(&page.channels, &title))?;
+    if let Some(file) = &arguments.output {
+        table::write(file, &force_table(&page.channels))?;
     }
-    super::print(&report::forces(&found, &[problems, notes].concat()))
+    super::show(&page, arguments.json, report::forces)
 }
 
-fn csv(found: &[Forces]) -> String {
-    let mut text = "time_s".to_owned();
+fn force_table(found: &[Forces]) -> Table {
+    let mut columns = vec![Column::number("time_s")];
     for forces in found {
         let channel = forces.channel.to_lowercase();
-        let _ = write!(text, ",{channel}_n,{channel}_u_n");
+        columns.extend(["n", "u_n"].map(|what| Column::number(format!("{channel}_{what}"))));
     }
-    text.push('\n');
-    let Some(first) = found.first() else { return text };
-    for index in 0..first.force.values.len() {
-        let _ = write!(text, "{:e}", first.force.time(index));
-        for forces in found {
-            match (forces.force.values.get(index), forces.u.get(index)) {
-                (Some(force), Some(u)) => {
-                    let _ = write!(text, ",{force:e},{u:e}");
-                }
-                _ => text.push_str(",,"),
-            }
-        }
-        text.push('\n');
-    }
-    text
-}
-
-fn as_json(forces: &Forces) -> Value {
-    json!({
-        "channel": forces.channel,
-        "sensor": forces.sensor.name,
-        "sensitivity_v_per_n": forces.sensor.sensitivity,
-        "sensitivity_u_relative": forces.sensor.sensitivity_u,
-        "gain_u_relative": forces.sensor.gain_u,
-        "gain_note": forces.sensor.gain_note(),
-        "tau_s": forces.sensor.time_constant,
-        "tau_u_relative": forces.sensor.time_constant_u,
-        "start_s": forces.force.start,
-        "interval_s": forces.force.interval,
-        "force_n": forces.force.values,
-        "u_n": forces.u,
-        "U95_n": forces.expanded,
-        "noise_u_n": forces.noise_u,
-        "clipped": forces.clipped,
-    })
+    let axis = found.first().map(|first| &first.force);
+    let rows = (0..axis.map_or(0, |axis| axis.values.len())).map(|index| {
+        let mut row: Vec<Cell> = vec![axis.map(|axis| axis.time(index)).into()];
+        row.extend(found.iter().flat_map(|forces| {
+            [&forces.force.values, &forces.u].map(|values| values.get(index).copied().into())
+        }));
+        row
+    });
+    let rows = rows.collect();
+    Table { columns, rows }
 }

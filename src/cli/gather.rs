@@ -11,7 +11,7 @@ use crate::report;
 use crate::sweep::SweepError;
 use crate::sweep::gather::GatheredLogs;
 use crate::sweep::summary::GatherSummary;
-use crate::sweep::table;
+use crate::table;
 
 /// Join the logs of a sweep's parts into one table and list missing runs; exit code 1 if there are
 /// any
@@ -47,15 +47,13 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         tables.iter().try_for_each(|file| table::check_own(file, logs.columns()))?;
     }
     let found = gathered(&arguments.folder, logs, &tables, arguments.quiet)?;
-    if arguments.json {
-        super::print(&serde_json::to_string_pretty(&found)?)?;
-    } else if !arguments.quiet {
-        super::print(&report::gathering(&found))?;
+    if arguments.json || !arguments.quiet {
+        super::show(&found, arguments.json, report::gathering)?;
     }
     if found.missing.is_empty() { Ok(()) } else { Err(AnswerIsNo.into()) }
 }
 
-/// Joins the logs in `folder` into `tables`; tells what the user should know on standard error.
+/// Joins the logs in `folder` into `tables`; prints notes on standard error.
 pub fn gathered(
     folder: &Path,
     found: GatheredLogs,

@@ -24,17 +24,13 @@ pub struct Arguments {
     quiet: bool,
 }
 
-/// Whether no case is wrong.
-pub fn run(arguments: &Arguments) -> anyhow::Result<bool> {
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     arguments.plot.check()?;
     let mut progress = JobProgress::new("hard cases", arguments.quiet);
     let findings = run_all(&mut |share| progress.at(share));
     progress.done();
-    arguments.plot.save(|| report::hard_cases_svg(&findings))?;
-    if arguments.json {
-        super::print(&serde_json::to_string_pretty(&findings)?)?;
-    } else {
-        super::print(&report::hard_cases(&findings, arguments.why))?;
-    }
-    Ok(findings.iter().all(|finding| finding.verdict != CaseVerdict::Wrong))
+    arguments.plot.save(&findings, || report::hard_cases_picture(&findings))?;
+    super::show(&findings, arguments.json, |found| report::hard_cases(found, arguments.why))?;
+    let is_wrong = findings.iter().any(|finding| finding.verdict == CaseVerdict::Wrong);
+    if is_wrong { Err(super::AnswerIsNo.into()) } else { Ok(()) }
 }

@@ -14,8 +14,9 @@ pub struct Arguments {
     topic: Option<String>,
 }
 
-/// Prints the help on a topic; `command` is the program's command line.
-pub fn run(arguments: &Arguments, mut command: clap::Command) -> anyhow::Result<()> {
+/// Prints the help on a topic.
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let mut command = super::output::command_line();
     command.build();
     let page = match arguments.topic.as_deref() {
         None => command.render_long_help().to_string(),

@@ -6,8 +6,6 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::input::{Selection, TableArguments};
-use crate::recording::format::open_large;
-use crate::recording::mcap::indexed_recording::IndexedRecording;
 use crate::recording::{Capture, Origin, Shot, TraceSet};
 use crate::report;
 use crate::trace::Trace;
@@ -28,55 +26,49 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    if let Some(recording) = open_large(&arguments.file)? {
-        return shot_by_shot(recording, arguments.json);
-    }
-    let mut set = arguments.table.open(&arguments.file)?;
-    arguments.selection.apply(&mut set)?;
+    let mut recording = arguments.table.open(&arguments.file)?;
+    let mut left = arguments.selection.shots(&recording)?.len();
     if arguments.json {
-        super::print(&serde_json::to_string_pretty(&as_json(&set))?)
-    } else {
-        super::print(&report::contents(&set))
-    }
-}
-
-/// The same of a recording that is too large to be read at once.
-fn shot_by_shot(mut recording: IndexedRecording, json: bool) -> anyhow::Result<()> {
-    let facts = recording.facts();
-    if !json {
-        super::print(&report::contents_before(&facts))?;
-        for place in 0..recording.shots() {
-            if let Some(shot) = recording.shot(place)? {
-                super::print(&report::contents_of(&shot))?;
+        // The shots are last, and are printed one by one.
+        let page = serde_json::to_string_pretty(&facts(recording.facts()))?;
+        let open = page.trim_end().trim_end_matches('}').trim_end();
+        let (bracket, end) = if left > 0 { ("[", "  ]\n}") } else { ("[]", "}") };
+        super::print(&format!("{open},\n  \"shots\": {bracket}"))?;
+        arguments.selection.for_each_shot(&mut recording, |set| {
+            left -= 1;
+            let comma = if left > 0 { "," } else { "" };
+            for found in &set.shots {
+                let text = serde_json::to_string_pretty(&shot(found))?;
+                super::print(&format!("    {}{comma}", text.replace('\n', "\n    ")))?;
             }
+            Ok(())
+        })?;
+        return super::print(end);
+    }
+    let before = report::contents_before(recording.facts());
+    if !before.is_empty() {
+        super::print(&before)?;
+    }
+    let after = report::contents_after(recording.facts(), recording.traffic());
+    arguments.selection.for_each_shot(&mut recording, |set| {
+        left -= 1;
+        for shot in &set.shots {
+            let page = report::contents_of(shot);
+            let is_last = left == 0 && after.is_empty();
+            super::print(if is_last { page.trim_end() } else { &page })?;
         }
-        return super::print(&report::contents_after(&facts, recording.traffic()));
-    }
-    let mut page = as_json(&facts);
-    if let Some(page) = page.as_object_mut() {
-        page.remove("shots");
-    }
-    // The shots go last, one by one.
-    let text = serde_json::to_string_pretty(&page)?;
-    let open = text.trim_end().trim_end_matches('}').trim_end();
-    super::print(&format!("{open},\n  \"shots\": ["))?;
-    for place in 0..recording.shots() {
-        if let Some(found) = recording.shot(place)? {
-            let comma = if place == 0 { "" } else { "," };
-            super::print(&format!("{comma}{}", serde_json::to_string(&shot(&found))?))?;
-        }
-    }
-    super::print("  ]\n}")
+        Ok(())
+    })?;
+    if after.is_empty() { Ok(()) } else { super::print(&after) }
 }
 
-fn as_json(set: &TraceSet) -> Value {
+fn facts(set: &TraceSet) -> Value {
     let attachments = set
         .attachments
         .iter()
         .map(|a| json!({ "name": a.name, "media_type": a.media_type, "bytes": a.data.len() }));
     json!({
         "metadata": set.metadata,
-        "shots": set.shots.iter().map(shot).collect::<Vec<_>>(),
         "attachments": attachments.collect::<Vec<_>>(),
         "log": set.log,
         "problems": set.problems,

@@ -8,17 +8,17 @@ use anyhow::{anyhow, bail};
 use clap::Args;
 
 use super::acquire::one_shot;
-use super::sensor::{SensorAssignment, wire_all, wired};
+use crate::data;
 use crate::experiment::facts;
 use crate::measurement::compare::mapping::Assignment;
-use crate::measurement::force::count_gains;
+use crate::measurement::force::{count_gains, wire};
 use crate::measurement::metadata::{self, RecordedDistance};
 use crate::numeric::intervals::NORMAL_95;
 use crate::quantity::{Dimension, Uncertain, parse};
-use crate::recording::format::{open_with, read_shot};
+use crate::recording::format::{Recording, open_shot};
 use crate::recording::tek_csv::TableColumns;
 use crate::recording::{Shot, TraceSet};
-use crate::scene::Scene;
+use crate::scene::{Scene, sensors};
 #[cfg(feature = "tui")]
 use crate::tui::model::BenchOption;
 
@@ -36,10 +36,10 @@ pub struct TableArguments {
 
 impl TableArguments {
     /// Opens a recording, a file or a folder, or takes one shot from the scope at an address.
-    pub fn open(&self, path: &Path) -> anyhow::Result<TraceSet> {
+    pub fn open(&self, path: &Path) -> anyhow::Result<Recording> {
         match one_shot(path)? {
-            Some(set) => Ok(set),
-            None => Ok(open_with(path, &self.columns())?),
+            Some(set) => Ok(set.into()),
+            None => Ok(Recording::open(path, &self.columns())?),
         }
     }
 
@@ -48,11 +48,11 @@ impl TableArguments {
         self.columns.clone().unwrap_or_default()
     }
 
-    /// The same, where only shot `number` is looked at: a large recording is not read at once.
+    /// The same, with shot `number` only.
     pub fn open_shot(&self, path: &Path, number: u32) -> anyhow::Result<TraceSet> {
-        match read_shot(path, number)? {
+        match one_shot(path)? {
             Some(set) => Ok(set),
-            None => self.open(path),
+            None => Ok(open_shot(path, number, &self.columns())?),
         }
     }
 }
@@ -69,19 +69,9 @@ pub struct Selection {
 }
 
 impl Selection {
-    /// The only shot that is meant.
-    pub fn shot(&self) -> Option<u32> {
-        self.shot
-    }
-
     /// The shot that is meant where a single one is looked at.
     pub fn single(&self) -> u32 {
         self.shot.unwrap_or(1)
-    }
-
-    /// Whether this shot is meant.
-    pub fn wants(&self, number: u32) -> bool {
-        self.shot.is_none_or(|shot| shot == number)
     }
 
     /// Whether all of a file is meant.
@@ -90,31 +80,71 @@ impl Selection {
         self.shot.is_none() && self.channel.is_empty()
     }
 
-    /// Leaves out of `set` what is not meant.
-    pub fn apply(&self, set: &mut TraceSet) -> anyhow::Result<()> {
-        if let Some(number) = self.shot {
-            let found = set.shots.len();
-            set.shots.retain(|shot| shot.number == number);
-            if set.shots.is_empty() {
-                bail!("no shot {number}: the file has {found}");
-            }
+    /// Places and numbers of the shots that are meant, in order of time.
+    pub fn shots(&self, recording: &Recording) -> anyhow::Result<Vec<(usize, u32)>> {
+        let numbers = recording.index().iter().map(|(number, _)| *number).enumerate();
+        let wants = |(_, number): &(usize, u32)| self.shot.is_none_or(|shot| shot == *number);
+        let found: Vec<(usize, u32)> = numbers.filter(wants).collect();
+        if let Some(number) = self.shot.filter(|_| found.is_empty()) {
+            bail!("no shot {number}: the file has {}", recording.index().len());
         }
-        self.keep_channels(set)
+        known_channels(&recording.channels(), self.channel.iter())?;
+        Ok(found)
+    }
+
+    /// Calls `act` with each shot that is meant, one after the other in order of time.
+    pub fn for_each_shot(
+        &self,
+        recording: &mut Recording,
+        mut act: impl FnMut(&mut TraceSet) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        for (place, _) in self.shots(recording)? {
+            act(self.read(recording, place)?)?;
+        }
+        Ok(())
+    }
+
+    /// Reads the shot at `place` without channels that are not meant.
+    pub fn read<'a>(
+        &self,
+        recording: &'a mut Recording,
+        place: usize,
+    ) -> anyhow::Result<&'a mut TraceSet> {
+        let set = recording.shot(place)?;
+        self.filter(set);
+        Ok(set)
+    }
+
+    /// Number of captures that are meant.
+    pub fn captures(&self, recording: &Recording) -> anyhow::Result<usize> {
+        let shots = self.shots(recording)?;
+        let channels = shots.iter().filter_map(|(place, _)| recording.index().get(*place));
+        let meant = channels.flat_map(|(_, sources)| sources).filter(|source| {
+            let name = source.to_string();
+            self.channel.is_empty() || self.channel.iter().any(|c| name.eq_ignore_ascii_case(c))
+        });
+        Ok(meant.count())
     }
 
     /// Leaves out of `set` all channels but those named, if any are.
     pub fn keep_channels(&self, set: &mut TraceSet) -> anyhow::Result<()> {
-        let channels = &self.channel;
-        known_channels(set, channels.iter())?;
-        for shot in &mut set.shots {
-            shot.captures.retain(|capture| {
-                let name = capture.waveform.source.to_string();
-                channels.is_empty()
-                    || channels.iter().any(|channel| name.eq_ignore_ascii_case(channel))
-            });
-        }
+        known_channels(&channels(set), self.channel.iter())?;
+        self.filter(set);
         Ok(())
     }
+
+    fn filter(&self, set: &mut TraceSet) {
+        let wanted = |name: &str| self.channel.iter().any(|known| name.eq_ignore_ascii_case(known));
+        for shot in set.shots.iter_mut().filter(|_| !self.channel.is_empty()) {
+            shot.captures.retain(|capture| wanted(&capture.waveform.source.to_string()));
+        }
+    }
+}
+
+/// Names of the channels of all shots in `set`.
+pub fn channels(set: &TraceSet) -> BTreeSet<String> {
+    let captures = set.shots.iter().flat_map(|shot| &shot.captures);
+    captures.map(|capture| capture.waveform.source.to_string()).collect()
 }
 
 /// The shot of a number.
@@ -145,27 +175,69 @@ pub struct ReadingArguments {
 }
 
 impl ReadingArguments {
-    /// Opens a recording, a file or a folder.
+    /// Opens a recording, a file or a folder, and notes in it what is known of the bench.
+    pub fn open_recording(&self, path: &Path) -> anyhow::Result<Recording> {
+        let mut recording = self.table.open(path)?;
+        let channels = recording.channels();
+        self.bench.apply(recording.facts_mut(), &channels)?;
+        Ok(recording)
+    }
+
+    /// Notes in the facts of `recording` how well the gain of each channel is known, by the last
+    /// shot that has the channel.
+    pub fn count_gains(&self, recording: &mut Recording) -> anyhow::Result<()> {
+        let mut seen = BTreeSet::new();
+        let mut places = self.selection.shots(recording)?;
+        places.reverse();
+        places.retain(|(place, _)| {
+            let sources = recording.index().get(*place).map(|(_, sources)| sources.clone());
+            sources.is_some_and(|sources| {
+                sources.into_iter().fold(false, |new, source| seen.insert(source) || new)
+            })
+        });
+        for (place, _) in places.into_iter().rev() {
+            count_gains(recording.shot(place)?)?;
+        }
+        Ok(())
+    }
+
+    /// Opens a recording, a file or a folder, with all shots that are meant in memory.
     pub fn open(&self, path: &Path) -> anyhow::Result<TraceSet> {
-        let mut set = self.table.open(path)?;
-        self.apply(&mut set)?;
+        self.whole(self.open_recording(path)?)
+    }
+
+    /// All shots of `recording` that are meant, in memory.
+    pub fn whole(&self, recording: Recording) -> anyhow::Result<TraceSet> {
+        let numbers: Vec<u32> =
+            self.selection.shots(&recording)?.into_iter().map(|(_, number)| number).collect();
+        let mut set = recording.into_set()?;
+        set.shots.retain(|shot| numbers.contains(&shot.number));
+        self.selection.filter(&mut set);
+        count_gains(&mut set)?;
         Ok(set)
+    }
+
+    /// Calls `act` with each shot that is meant, one after the other in order of time.
+    pub fn for_each_shot(
+        &self,
+        recording: &mut Recording,
+        mut act: impl FnMut(&mut TraceSet) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        self.selection.for_each_shot(recording, |set| {
+            count_gains(set)?;
+            act(set)
+        })
     }
 
     /// Opens the single shot that is looked at.
     pub fn open_single(&self, path: &Path) -> anyhow::Result<(TraceSet, Shot)> {
         let number = self.selection.single();
         let mut set = self.table.open_shot(path, number)?;
-        self.bench.apply(&mut set)?;
+        let channels = channels(&set);
+        self.bench.apply(&mut set, &channels)?;
         self.selection.keep_channels(&mut set)?;
         let shot = shot(&set, &path.display().to_string(), number)?.clone();
         Ok((set, shot))
-    }
-
-    /// Notes in `set` what is known of the bench, and leaves out what is not meant.
-    pub fn apply(&self, set: &mut TraceSet) -> anyhow::Result<()> {
-        self.bench.apply(set)?;
-        self.selection.apply(set)
     }
 
     /// Whether the file is looked at as it is.
@@ -177,15 +249,12 @@ impl ReadingArguments {
 
 /// Refuses a channel that no shot has.
 fn known_channels<'a>(
-    set: &TraceSet,
-    mut channels: impl Iterator<Item = &'a String>,
+    names: &BTreeSet<String>,
+    mut asked: impl Iterator<Item = &'a String>,
 ) -> anyhow::Result<()> {
-    let captures = set.shots.iter().flat_map(|shot| &shot.captures);
-    let names: BTreeSet<String> =
-        captures.map(|capture| capture.waveform.source.to_string()).collect();
     let unknown = |channel: &&String| !names.iter().any(|name| name.eq_ignore_ascii_case(channel));
-    if let Some(channel) = channels.find(unknown) {
-        let names: Vec<String> = names.into_iter().collect();
+    if let Some(channel) = asked.find(unknown) {
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
         bail!("no channel {channel}: the file has {}", names.join(", "));
     }
     Ok(())
@@ -237,8 +306,8 @@ impl BenchArguments {
         Ok(said)
     }
 
-    /// Notes in `set` what is known of the bench.
-    fn apply(&self, set: &mut TraceSet) -> anyhow::Result<()> {
+    /// Notes in `set` what is known of the bench; `names` are the channels of all its shots.
+    fn apply(&self, set: &mut TraceSet, names: &BTreeSet<String>) -> anyhow::Result<()> {
         let mut map = self.map.clone();
         if let Some(name) = &self.scene {
             map.extend(labels(set));
@@ -262,8 +331,8 @@ impl BenchArguments {
             }
         }
         let channels = self.distance.iter().flat_map(|known| [&known.from, &known.to]);
-        known_channels(set, channels.chain(self.map.iter().map(|said| &said.channel)))?;
-        wire_all(set, &self.sensor)?;
+        known_channels(names, channels.chain(self.map.iter().map(|said| &said.channel)))?;
+        wire_all(set, names, &self.sensor)?;
         count_gains(set)?;
         for distance in &self.distance {
             let (group, facts) = distance.facts();
@@ -277,7 +346,8 @@ impl BenchArguments {
 #[cfg(feature = "tui")]
 pub fn note_option(set: &mut TraceSet, option: BenchOption, value: &str) -> Result<(), String> {
     let said = BenchArguments::single(option, value)?;
-    said.apply(set).map_err(|error| format!("{error:#}"))
+    let names = channels(set);
+    said.apply(set, &names).map_err(|error| format!("{error:#}"))
 }
 
 /// Channels with labels of a table's columns.
@@ -298,7 +368,7 @@ fn place_scene(set: &mut TraceSet, scene: &Scene) {
     set.metadata.extend(sensors.filter_map(|(name, facts)| {
         Some((format!("{SENSOR}{}", name.strip_prefix(of_shot)?), facts))
     }));
-    set.attachments.push(facts::scene_attachment(scene));
+    set.attachments.extend(facts::scene_attachments(scene));
 }
 
 /// Notes that a sensor which is known by name is at a channel; whether there is such a sensor.
@@ -353,6 +423,48 @@ fn distance(text: &str) -> Result<RecordedDistance, String> {
     }
     let name = |channel: &str| channel.trim().to_ascii_uppercase();
     Ok(RecordedDistance { from: name(from), to: name(to), distance })
+}
+
+/// A channel and its sensor, as typed.
+#[derive(Debug, Clone)]
+pub struct SensorAssignment {
+    channel: String,
+    sensor: String,
+}
+
+/// Reads `CH1=NAME`.
+pub fn wired(text: &str) -> Result<SensorAssignment, String> {
+    match text.split_once('=') {
+        Some((channel, sensor)) if !channel.trim().is_empty() && !sensor.trim().is_empty() => {
+            Ok(SensorAssignment {
+                channel: channel.trim().to_owned(),
+                sensor: sensor.trim().to_owned(),
+            })
+        }
+        _ => Err(format!("found {text}, expected a channel and a sensor, e.g. CH1=sensor.toml")),
+    }
+}
+
+/// Notes all of them in `set`, whose shots have the channels `names`.
+pub fn wire_all(
+    set: &mut TraceSet,
+    names: &BTreeSet<String>,
+    wires: &[SensorAssignment],
+) -> anyhow::Result<()> {
+    for SensorAssignment { channel, sensor } in wires {
+        if !names.iter().any(|name| name.eq_ignore_ascii_case(channel)) {
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            bail!("found no channel {channel}, expected one of {}", names.join(", "));
+        }
+        let Some(found) = sensors::load(sensor)? else {
+            let names = data::instrument_names("sensors").join(", ");
+            bail!(
+                "found no sensor `{sensor}`, expected one of {names}, or the path of a sensor's file"
+            );
+        };
+        wire(set, channel, &found)?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]

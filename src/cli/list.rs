@@ -2,7 +2,7 @@
 
 use anyhow::anyhow;
 use clap::{Args, ValueEnum};
-use serde_json::json;
+use serde::Serialize;
 
 use crate::data;
 use crate::report::text::hanging_indent;
@@ -73,6 +73,13 @@ fn description(kind: Kind, text: &str) -> String {
     value("title").or_else(comment).or_else(|| value("source")).unwrap_or_default()
 }
 
+/// A file of the list.
+#[derive(Serialize)]
+struct Described<'a> {
+    name: &'a str,
+    description: String,
+}
+
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let folder = arguments.kind.folder();
     let names = data::instrument_names(folder);
@@ -84,12 +91,11 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let described = names.iter().filter_map(|name| {
         Some((name, description(arguments.kind, data::instrument(folder, name)?)))
     });
-    if arguments.json {
-        let list: Vec<_> = described.map(|(n, d)| json!({ "name": n, "description": d })).collect();
-        return super::print(&serde_json::to_string_pretty(&list)?);
-    }
-    let lines: Vec<String> = described
-        .flat_map(|(name, words)| hanging_indent(&format!("{name:<22} "), &words))
-        .collect();
-    super::print(&lines.join("\n"))
+    let list: Vec<Described<'_>> =
+        described.map(|(name, description)| Described { name, description }).collect();
+    super::show(&list, arguments.json, |list| {
+        let lines =
+            list.iter().map(|row| hanging_indent(&format!("{:<22} ", row.name), &row.description));
+        lines.collect::<Vec<_>>().concat().join("\n")
+    })
 }

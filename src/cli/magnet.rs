@@ -3,11 +3,10 @@
 
 use anyhow::bail;
 use clap::Args;
-use serde_json::{Value, json};
 
 use super::picture::PlotArguments;
-use crate::quantity::{Dimension, parse};
-use crate::report;
+use super::value::{ABOVE_ZERO, quantity};
+use crate::quantity::Dimension;
 use crate::report::magnet::{MagnetPage, MagnetPoint};
 use crate::scene::magnets;
 
@@ -22,36 +21,19 @@ pub struct Arguments {
     name: String,
     /// Show the distances at which the magnet exerts this force, e.g. 2.38N
     /// [default: the paper's 2.38 N]
-    #[arg(long, value_name = "F", value_parser = force)]
+    #[arg(long, value_name = "F", value_parser = quantity(Dimension::FORCE, .., "2.38N"))]
     preload: Option<f64>,
     /// Show the force at this distance of the sphere's centre from the magnet's face, e.g. 0.4mm
-    #[arg(long, value_name = "D", value_parser = distance, conflicts_with = "preload", allow_hyphen_values = true)]
+    #[arg(long, value_name = "D", value_parser = quantity(Dimension::LENGTH, .., "0.4mm"), conflicts_with = "preload", allow_hyphen_values = true)]
     distance: Option<f64>,
     /// Temperature of the magnet, e.g. 40°C [default: the one its remanence is stated at]
-    #[arg(long, value_name = "T", value_parser = temperature)]
+    #[arg(long, value_name = "T", value_parser = quantity(Dimension::TEMPERATURE, ABOVE_ZERO, "40°C"))]
     temperature: Option<f64>,
     /// Print as JSON
     #[arg(long)]
     json: bool,
     #[command(flatten)]
     plot: PlotArguments,
-}
-
-fn force(text: &str) -> Result<f64, String> {
-    parse(text, Dimension::FORCE).map_err(|error| format!("{error}, expected a force, e.g. 2.38N"))
-}
-
-fn distance(text: &str) -> Result<f64, String> {
-    parse(text, Dimension::LENGTH)
-        .map_err(|error| format!("{error}, expected a length, e.g. 0.4mm"))
-}
-
-fn temperature(text: &str) -> Result<f64, String> {
-    match parse(text, Dimension::TEMPERATURE) {
-        Ok(kelvin) if kelvin > 0.0 => Ok(kelvin),
-        Ok(_) => Err(format!("found {text}, expected a temperature above absolute zero")),
-        Err(error) => Err(format!("{error}, expected a temperature, e.g. 40°C")),
-    }
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
@@ -78,33 +60,6 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         bail!("found a distance of {distance} m, expected one within the table, {near} to {far} m");
     }
     let page = MagnetPage { magnet, temperature, wanted, places };
-    arguments.plot.save(|| report::chart(&page.curve(), &page.magnet.name))?;
-    if arguments.json {
-        super::print(&serde_json::to_string_pretty(&as_json(&page))?)
-    } else {
-        super::print(&page.text())
-    }
-}
-
-fn as_json(page: &MagnetPage) -> Value {
-    let places = page.places.iter().map(|place| {
-        json!({
-            "distance_m": place.distance,
-            "force_n": place.force,
-            "slope_n_per_m": place.slope,
-            "field_t": place.field,
-            "gradient_t_per_m": place.gradient,
-            "saturation": place.saturation,
-        })
-    });
-    let curve = page.curve();
-    let of = |f: fn(&(f64, f64)) -> f64| curve.points.iter().map(f).collect::<Vec<_>>();
-    json!({
-        "magnet": page.magnet.name,
-        "source": page.magnet.source,
-        "temperature_k": page.temperature,
-        "wanted_n": page.wanted,
-        "places": places.collect::<Vec<_>>(),
-        "curve": { "distance_m": of(|p| p.0), "force_n": of(|p| p.1) },
-    })
+    arguments.plot.save(&page, || page.picture())?;
+    super::show(&page, arguments.json, MagnetPage::text)
 }

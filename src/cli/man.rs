@@ -16,8 +16,9 @@ pub struct Arguments {
     output: Option<PathBuf>,
 }
 
-/// Prints or writes the pages of `command`, the program's command line.
-pub fn run(arguments: &Arguments, command: clap::Command) -> anyhow::Result<()> {
+/// Prints or writes the pages.
+pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let command = super::output::command_line();
     if let Some(folder) = &arguments.output {
         let write = || {
             let new = NewFolder::replace(folder)?;

@@ -3,62 +3,27 @@
 //! Exit code 0: done; 1: done, and the answer is no; 2: could not.
 
 mod accuracy;
-mod acquire;
-mod arrivals;
-mod bands;
-mod budget;
-mod by_hand;
-mod calibrate;
-mod compare;
-mod completions;
-mod convert;
-mod cost;
-mod dispersion;
-mod doctor;
-mod effects;
-mod fit;
-mod force;
-mod gather;
-mod guide;
-mod hard_cases;
-mod help;
-mod info;
 mod input;
 pub mod installation;
-mod list;
-mod magnet;
-mod man;
 mod output;
 mod overwrite;
-mod paper;
 mod picture;
 mod plain_table;
 mod progress;
-mod run;
 mod saved;
-mod scenes;
-mod sensor;
-#[cfg(feature = "server")]
-mod serve;
-mod show;
 mod signal;
-mod spectrogram;
-mod spectrum;
-mod sweep;
-mod transfer;
-mod tunability;
-#[cfg(feature = "tui")]
-mod view;
+mod value;
 
+use std::io::Write as _;
 use std::process::ExitCode;
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 use crate::motion::kernel::InstructionSet;
-use output::{AnswerIsNo, is_broken_pipe, is_coloured, print, print_as_it_is, print_toml, say};
+use output::{
+    AnswerIsNo, is_broken_pipe, is_coloured, print, print_as_it_is, print_toml, say, show,
+};
 
-/// Exit code of an answer that is no.
-const EXIT_ANSWER_NO: u8 = 1;
 /// Exit code of what could not be done; clap uses the same for wrong options.
 const EXIT_FAILURE: u8 = 2;
 
@@ -71,42 +36,110 @@ pub struct Arguments {
     command: Command,
 }
 
-#[derive(Debug, Subcommand)]
-enum Command {
-    Run(run::Arguments),
-    Acquire(acquire::Arguments),
-    Info(info::Arguments),
-    Convert(convert::Arguments),
-    Cost(cost::Arguments),
-    HardCases(hard_cases::Arguments),
-    Effects(effects::Arguments),
-    Scenes(scenes::Arguments),
-    List(list::Arguments),
-    Show(show::Arguments),
-    Spectrum(spectrum::Arguments),
-    Transfer(transfer::Arguments),
-    Spectrogram(spectrogram::Arguments),
-    Bands(bands::Arguments),
-    Dispersion(dispersion::Arguments),
-    Arrivals(arrivals::Arguments),
-    Magnet(magnet::Arguments),
-    Calibrate(calibrate::Arguments),
-    Force(force::Arguments),
-    Budget(budget::Arguments),
-    Compare(compare::Arguments),
-    Fit(fit::Arguments),
-    Paper(paper::Arguments),
-    Tunability(tunability::Arguments),
-    Sweep(sweep::Arguments),
-    Gather(gather::Arguments),
-    #[cfg(feature = "server")]
-    Serve(serve::Arguments),
-    #[cfg(feature = "tui")]
-    View(view::Arguments),
-    Doctor(doctor::Arguments),
-    Completions(completions::Arguments),
-    Man(man::Arguments),
-    Help(help::Arguments),
+/// A row of the table of commands.
+struct Guide {
+    group: &'static str,
+    module: &'static str,
+    example: &'static str,
+    /// Page in `docs/`.
+    page: &'static str,
+    /// What exit code 1 means; empty if the command has none.
+    answer_no: &'static str,
+}
+
+/// The commands: module with `Arguments` and `run`, variant, example, page in `docs/`, and what
+/// exit code 1 means. Their order is that of `--help`.
+macro_rules! commands {
+    ($($group:literal { $(
+        $(#[$feature:meta])* $module:ident $variant:ident: $example:literal, $page:literal
+            $(=> $answer_no:literal)?;
+    )* })*) => {
+        $($($(#[$feature])* mod $module;)*)*
+
+        #[derive(Debug, Subcommand)]
+        enum Command {
+            $($($(#[$feature])* $variant($module::Arguments),)*)*
+        }
+
+        impl Command {
+            fn run(&self) -> anyhow::Result<()> {
+                match self {
+                    $($($(#[$feature])* Self::$variant(arguments) => $module::run(arguments),)*)*
+                }
+            }
+        }
+
+        const GUIDES: &[Guide] = &[$($($(#[$feature])* Guide {
+            group: $group,
+            module: stringify!($module),
+            example: $example,
+            page: $page,
+            answer_no: concat!($($answer_no)?),
+        },)*)*];
+    };
+}
+
+commands! {
+    "Benches" {
+        run Run: "run magnet-0.61g -o first.mcap", "first-trace.md";
+        show Show: "show magnet-0.61g > mine.toml", "scenes.md";
+        scenes Scenes: "scenes magnet-0.61g", "scenes.md";
+        list List: "list materials", "scenes.md";
+        #[cfg(feature = "tui")] view View: "view magnet-0.61g", "screen.md";
+        #[cfg(feature = "server")] serve Serve: "serve magnet-0.61g --impact-every 2s", "clients.md";
+        magnet Magnet: "magnet ring-15-6-6 --preload 2.38N", "models/magnets.md";
+    }
+    "Records, simulated or measured" {
+        acquire Acquire: "acquire tcp://127.0.0.1:5025 -o day.mcap --shots 10", "acquire.md";
+        info Info: "info F0000CH1.CSV", "measurements.md";
+        convert Convert: "convert ALL0000 day.mcap --scene magnet-0.61g", "measurements.md";
+        arrivals Arrivals: "arrivals day.mcap -o statistics.csv", "traces.md";
+        force Force: "force day.mcap --channel CH1", "calibration.md";
+        spectrum Spectrum: "spectrum first.mcap --channel CH2 --plot spectrum.svg", "traces.md";
+        transfer Transfer: "transfer shot-*.mcap --between CH2,CH3", "traces.md";
+        spectrogram Spectrogram: "spectrogram first.mcap --truth p14", "traces.md";
+        dispersion Dispersion: "dispersion first.mcap --plot dispersion.svg", "traces.md";
+        bands Bands: "bands magnet-0.61g --to 10N", "traces.md";
+    }
+    "Measurement against model" {
+        compare Compare: "compare day.mcap magnet-0.61g --tolerance peak=5%", "measurements.md" => "a score is beyond the tolerance";
+        fit Fit: "fit day.mcap magnet-0.61g --free striker.speed", "measurements.md" => "nothing was determined, or more than noise is left";
+        calibrate Calibrate: "calibrate plan.toml -o certificate", "calibration.md" => "the plan contradicts itself, nothing is certified";
+        budget Budget: "budget magnet-0.61g --samples 200", "uncertainty.md";
+    }
+    "Studies" {
+        effects Effects: "effects magnet-0.61g --why", "scenes.md";
+        hard_cases HardCases: "hard-cases --why", "accuracy.md" => "a case fails";
+        cost Cost: "cost magnet-0.61g --plot cost.svg", "accuracy.md";
+        tunability Tunability: "tunability --knob preload --plot map.png", "paper.md";
+        sweep Sweep: "sweep grid.toml", "sweeps.md";
+        gather Gather: "gather grid.sweep", "sweeps.md" => "runs are missing";
+        paper Paper: "paper --figure 9 --out figures", "paper.md";
+    }
+    "The program" {
+        help Help: "help scene", "scenes.md";
+        doctor Doctor: "doctor", "first-trace.md" => "something is wrong";
+        completions Completions: "completions bash", "commands.md";
+        man Man: "man -o man", "commands.md";
+    }
+}
+
+impl Guide {
+    /// Name of the command.
+    fn name(&self) -> String {
+        self.module.replace('_', "-")
+    }
+
+    fn after_help(&self) -> String {
+        let no = match self.answer_no {
+            "" => String::new(),
+            words => format!("1: {words}; "),
+        };
+        format!(
+            "Example:\n  hertzscope {}\n\nExit code:\n  0: done; {no}2: could not be done\n\nMore:\n  docs/{}",
+            self.example, self.page
+        )
+    }
 }
 
 /// Makes a file that outgrows `ulimit -f` an error of that file: the signal that comes with it
@@ -120,64 +153,47 @@ fn survive_file_limit() {
     }
 }
 
-/// The command line with all that its help says.
+/// Widest name of a command, with the gap after it.
+const NAME_WIDTH: usize = 13;
+
+/// The command line: commands in their groups, each with example, exit codes and page.
 fn command_line() -> clap::Command {
-    guide::guided(Arguments::command())
+    let mut command = Arguments::command();
+    let mut page = String::from("{about}\n\n{usage-heading} {usage}\n");
+    for guides in GUIDES.chunk_by(|a, b| a.group == b.group) {
+        page.push_str(&format!("\n{}:\n", guides.first().map_or("", |guide| guide.group)));
+        for guide in guides {
+            let name = guide.name();
+            let about = command.find_subcommand(&name).and_then(clap::Command::get_about);
+            let about = about.map(ToString::to_string).unwrap_or_default();
+            let short = about.split([':', ';', ',']).next().unwrap_or_default();
+            page.push_str(&format!("  {name:<NAME_WIDTH$}{short}\n"));
+            command =
+                command.mut_subcommand(name, |found| found.after_long_help(guide.after_help()));
+        }
+    }
+    page.push_str("\nOptions:\n{options}{after-help}");
+    command.help_template(page).after_help(
+        "A scene is a TOML file that describes one experiment: chain, striker, sensors and oscilloscope (`hertzscope help scene`). A shot is one impact \
+         with what the oscilloscope recorded of it; a recording (.mcap) holds one or more shots. `hertzscope help COMMAND` has an example of each command.",
+    )
 }
 
 /// Runs the program on the process's own arguments.
 pub fn main() -> ExitCode {
+    let _ = output::COMMAND_LINE.set(command_line);
     completions::answer(command_line);
-    let matches = command_line().get_matches();
-    let command = match Arguments::from_arg_matches(&matches) {
+    let parsed = command_line().try_get_matches();
+    let command = match parsed.and_then(|matches| Arguments::from_arg_matches(&matches)) {
         Ok(arguments) => arguments.command,
-        Err(error) => error.exit(),
+        Err(stop) => return help_or_refusal(&stop),
     };
     survive_file_limit();
     if let Err(reason) = InstructionSet::chosen() {
         say(&format!("error: {reason}"));
         return ExitCode::from(EXIT_FAILURE);
     }
-    let done = match command {
-        Command::Run(arguments) => run::run(&arguments),
-        Command::Acquire(arguments) => acquire::run(&arguments),
-        Command::Info(arguments) => info::run(&arguments),
-        Command::Convert(arguments) => convert::run(&arguments),
-        Command::Cost(arguments) => cost::run(&arguments),
-        Command::HardCases(arguments) => match hard_cases::run(&arguments) {
-            Ok(false) => return ExitCode::from(EXIT_ANSWER_NO),
-            done => done.map(|_| ()),
-        },
-        Command::Effects(arguments) => effects::run(&arguments),
-        Command::Scenes(arguments) => scenes::run(&arguments),
-        Command::List(arguments) => list::run(&arguments),
-        Command::Show(arguments) => show::run(&arguments),
-        Command::Spectrum(arguments) => spectrum::run(&arguments),
-        Command::Transfer(arguments) => transfer::run(&arguments),
-        Command::Spectrogram(arguments) => spectrogram::run(&arguments),
-        Command::Bands(arguments) => bands::run(&arguments),
-        Command::Dispersion(arguments) => dispersion::run(&arguments),
-        Command::Arrivals(arguments) => arrivals::run(&arguments),
-        Command::Magnet(arguments) => magnet::run(&arguments),
-        Command::Calibrate(arguments) => calibrate::run(&arguments),
-        Command::Force(arguments) => force::run(&arguments),
-        Command::Budget(arguments) => budget::run(&arguments),
-        Command::Compare(arguments) => compare::run(&arguments),
-        Command::Fit(arguments) => fit::run(&arguments),
-        Command::Paper(arguments) => paper::run(&arguments),
-        Command::Tunability(arguments) => tunability::run(&arguments),
-        Command::Sweep(arguments) => sweep::run(&arguments),
-        Command::Gather(arguments) => gather::run(&arguments),
-        #[cfg(feature = "server")]
-        Command::Serve(arguments) => serve::run(&arguments),
-        #[cfg(feature = "tui")]
-        Command::View(arguments) => view::run(&arguments),
-        Command::Doctor(arguments) => doctor::run(&arguments),
-        Command::Completions(arguments) => completions::run(&arguments),
-        Command::Help(arguments) => help::run(&arguments, command_line()),
-        Command::Man(arguments) => man::run(&arguments, command_line()),
-    };
-    match done {
+    match command.run() {
         Ok(()) => ExitCode::SUCCESS,
         // `head` closes the pipe once it has its lines: not an error.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
@@ -186,6 +202,17 @@ pub fn main() -> ExitCode {
             say(&format!("error: {}", without_numbers(&format!("{error:#}"))));
             ExitCode::from(EXIT_FAILURE)
         }
+    }
+}
+
+/// Prints the help or version that was asked for, or why the arguments are wrong.
+fn help_or_refusal(stop: &clap::Error) -> ExitCode {
+    match stop.print().and_then(|()| std::io::stdout().flush()) {
+        Err(error) if !stop.use_stderr() && error.kind() != std::io::ErrorKind::BrokenPipe => {
+            say(&format!("error: {}", without_numbers(&error.to_string())));
+            ExitCode::from(EXIT_FAILURE)
+        }
+        _ => ExitCode::from(u8::try_from(stop.exit_code()).unwrap_or(EXIT_FAILURE)),
     }
 }
 
@@ -207,15 +234,12 @@ mod tests {
     #[test]
     fn every_command_is_guided() {
         let command = command_line();
-        let examples = guide::examples();
         for found in command.get_subcommands() {
-            assert!(examples.iter().any(|g| g.0 == found.get_name()), "{}", found.get_name());
+            let name = found.get_name();
+            assert!(GUIDES.iter().any(|guide| guide.name() == name), "{name}");
         }
         let docs = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
-        for (name, example, page) in examples {
-            if command.find_subcommand(name).is_none() {
-                continue;
-            }
+        for Guide { example, page, .. } in GUIDES {
             let words = example.split(' ').take_while(|word| *word != ">");
             let taken =
                 command.clone().try_get_matches_from(["hertzscope"].into_iter().chain(words));

@@ -1,9 +1,13 @@
 //! Standard output, and the answer "no" as an exit code.
 
 use std::io::{ErrorKind, IsTerminal as _, Write as _};
+use std::sync::OnceLock;
+
+use serde::Serialize;
 
 use crate::quantity::printable;
 use crate::report::text::{folded, folded_comments};
+use crate::report::{check_finite, to_json};
 
 /// Error for an answer of no that has been printed already.
 #[derive(Debug, thiserror::Error)]
@@ -15,8 +19,31 @@ pub(super) fn is_broken_pipe(error: &anyhow::Error) -> bool {
     kind == Some(ErrorKind::BrokenPipe)
 }
 
+/// Makes the program's command line; set by `main`, so that the pages that describe all commands do
+/// not depend on the table of commands.
+pub(super) static COMMAND_LINE: OnceLock<fn() -> clap::Command> = OnceLock::new();
+
+/// The program's command line.
+pub(super) fn command_line() -> clap::Command {
+    COMMAND_LINE.get().map_or_else(|| clap::Command::new("hertzscope"), |make| make())
+}
+
 /// Columns of a terminal that does not say how many it has.
 const USUAL_WIDTH: usize = 80;
+
+/// Shows a result as JSON, or as its `page`. All results are printed here: one with a number that
+/// is not finite is an error.
+pub(super) fn show<R: Serialize + ?Sized>(
+    result: &R,
+    json: bool,
+    page: impl FnOnce(&R) -> String,
+) -> anyhow::Result<()> {
+    if json {
+        return print(&to_json(result)?);
+    }
+    check_finite(result)?;
+    print(&page(result))
+}
 
 /// Prints `text` and a line end on standard output. What comes from files and from other programs
 /// cannot command the terminal: control characters are written as `\u001b`. On a terminal, long
@@ -70,7 +97,7 @@ fn tinted(text: &str) -> String {
 pub(super) fn say(text: &str) {
     let is_plain = !std::io::stderr().is_terminal() || wants_no_colour();
     let text = printable(text);
-    // Where nobody listens, nothing is to be done about it.
+    // A closed or full standard error leaves no way to report that.
     let _ = if is_plain {
         writeln!(std::io::stderr(), "{text}")
     } else {

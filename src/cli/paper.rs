@@ -11,8 +11,10 @@ use crate::experiment::facts;
 use crate::files::{self, NewFolder};
 use crate::recording::mcap::RecordingWriter;
 use crate::report;
-use crate::report::document::{html, markdown};
+use crate::report::page::{html, markdown};
+use crate::report::plot::{Theme, svg};
 use crate::studies::paper::{FIGURES, FigureRun, PaperStudy, study};
+use crate::table;
 
 const TITLE: &str = "Herbold et al. (2009), recomputed";
 
@@ -46,15 +48,14 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let found = study(arguments.figure, &mut |share| progress.at(share));
     progress.done();
     let found = found?;
+    report::check_finite(&found.findings)?;
     if let (Some(folder), Some(new)) = (&arguments.out, new) {
         write(&new, &found)?;
         new.complete().with_context(|| shown(folder))?;
     }
-    if arguments.json {
-        return super::print(&serde_json::to_string_pretty(&found.findings)?);
-    }
-    super::print(&report::paper(&found))?;
+    super::show(&found.findings, arguments.json, |_| report::paper(&found))?;
     match &arguments.out {
+        _ if arguments.json => Ok(()),
         Some(folder) => super::print(&format!("report  {}", folder.join("report.html").display())),
         None => Ok(()),
     }
@@ -67,12 +68,13 @@ fn write(folder: &NewFolder, study: &PaperStudy) -> anyhow::Result<()> {
     };
     let pictures = report::paper_pictures(study);
     for drawn in &pictures {
-        save(&format!("{}.svg", drawn.stem), &drawn.svg)?;
+        save(&format!("{}.svg", drawn.stem), &svg(&drawn.sheet, Theme::Light))?;
         if cfg!(feature = "png") {
-            picture::save(&folder.join(format!("{}.png", drawn.stem)), &drawn.svg)?;
+            let file = folder.join(format!("{}.png", drawn.stem));
+            picture::save(&file, &drawn.sheet, Theme::Light)?;
         }
-        for (name, csv) in &drawn.data {
-            save(name, csv)?;
+        for (name, data) in &drawn.data {
+            table::write(&folder.join(name), data)?;
         }
     }
     for figure in &study.figures {
@@ -83,12 +85,12 @@ fn write(folder: &NewFolder, study: &PaperStudy) -> anyhow::Result<()> {
     let parts = report::paper_parts(study, &pictures);
     save("report.md", &markdown(&parts))?;
     save("report.html", &html(TITLE, &parts))?;
-    save("verdicts.json", &serde_json::to_string_pretty(&study.findings)?)
+    save("verdicts.json", &report::to_json(&study.findings)?)
 }
 
 fn record(file: &Path, run: &FigureRun) -> anyhow::Result<()> {
     let known = facts::facts(&run.scene, run.integration)?;
-    let attachments = [facts::scene_attachment(&run.scene)];
+    let attachments = facts::scene_attachments(&run.scene);
     let mut writer = RecordingWriter::create(file, &known, &attachments)?;
     writer.add(&run.outcome.shot, &facts::shot_notes(&run.scene, &run.outcome))?;
     writer.finish()?;

@@ -4,9 +4,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use clap::Args;
+use serde::Serialize;
 
 use super::overwrite::OverwriteArguments;
 use crate::files;
+use crate::report::plot::{Sheet, Theme, svg};
 
 /// Endings that `--plot` takes.
 pub const PICTURE_ENDINGS: &str = "FILE.svg|FILE.png";
@@ -17,9 +19,9 @@ pub struct PlotArguments {
     /// Also draw into this file
     #[arg(long, value_name = PICTURE_ENDINGS, value_parser = file)]
     plot: Option<PathBuf>,
-    /// With --plot: draw light on dark, for slides
-    #[arg(long, requires = "plot")]
-    dark: bool,
+    /// Colours of the picture
+    #[arg(long, value_enum, default_value_t = Theme::Light, requires = "plot")]
+    theme: Theme,
     #[command(flatten)]
     pub overwrite: OverwriteArguments,
 }
@@ -30,11 +32,15 @@ impl PlotArguments {
         self.plot.iter().try_for_each(|file| self.overwrite.check(file))
     }
 
-    /// Draws the picture, if one is wanted.
-    pub fn save(&self, svg: impl FnOnce() -> String) -> anyhow::Result<()> {
+    /// Draws the picture of `result`, if one is wanted.
+    pub fn save<R: Serialize + ?Sized>(
+        &self,
+        result: &R,
+        picture: impl FnOnce() -> Sheet,
+    ) -> anyhow::Result<()> {
+        crate::report::check_finite(result)?;
         match &self.plot {
-            Some(file) if self.dark => self::save(file, &crate::report::on_dark(&svg())),
-            Some(file) => self::save(file, &svg()),
+            Some(file) => self::save(file, &picture(), self.theme),
             None => Ok(()),
         }
     }
@@ -51,8 +57,7 @@ pub fn file(text: &str) -> Result<PathBuf, String> {
     }
 }
 
-/// `file`, whose folder must be there: what cannot be written is told before the work and not after
-/// it.
+/// `file`, if its folder exists: what cannot be written is refused before the work.
 pub fn in_a_folder(file: PathBuf) -> Result<PathBuf, String> {
     match file.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.is_dir()) {
         Some(folder) => Err(format!(
@@ -68,14 +73,15 @@ fn ending(file: &Path) -> &str {
     file.extension().and_then(|ending| ending.to_str()).unwrap_or_default()
 }
 
-/// Writes the picture `svg`.
-pub fn save(file: &Path, svg: &str) -> anyhow::Result<()> {
+/// Writes the picture.
+pub fn save(file: &Path, picture: &Sheet, theme: Theme) -> anyhow::Result<()> {
     let shown = || file.display().to_string();
+    let drawn = svg(picture, theme);
     if ending(file) != "png" {
-        return files::write(file, svg).with_context(shown);
+        return files::write(file, drawn).with_context(shown);
     }
     #[cfg(feature = "png")]
-    return files::write(file, crate::report::png(svg).with_context(shown)?).with_context(shown);
+    return files::write(file, crate::report::png(&drawn).with_context(shown)?).with_context(shown);
     #[cfg(not(feature = "png"))]
     anyhow::bail!("{}: expected .svg: built without the feature png", file.display())
 }

@@ -1,13 +1,12 @@
 //! A recording as a plain table for other programs: `time_s,CH1_V,...`, one row a sample.
 
-use std::fmt::Write as _;
-
 use anyhow::bail;
 
 use super::input::no_capture;
 use crate::measurement::force::forces;
-use crate::quantity::engineering;
+use crate::quantity::{engineering, printable};
 use crate::recording::{Shot, TraceSet, TrueSignal};
+use crate::table::{Cell, Column, Table};
 use crate::trace::Trace;
 
 /// Digits that a number is printed with at most: far below a digitiser's level and a picosecond of
@@ -23,27 +22,43 @@ pub struct TableContent {
     pub newtons: bool,
 }
 
-/// One column.
-struct TableColumn {
+/// One column: a trace of which some samples may be absent.
+struct TraceColumn {
     name: String,
-    trace: Trace,
+    start: f64,
+    interval: f64,
+    values: Vec<Option<f64>>,
 }
 
-/// The table of all shots; a column `shot` stands in front where there are several.
-pub fn plain_table(set: &TraceSet, content: TableContent) -> anyhow::Result<String> {
+impl TraceColumn {
+    fn new(name: String, trace: &Trace) -> Self {
+        let values = trace.values.iter().copied().map(Some).collect();
+        Self { name, start: trace.start, interval: trace.interval, values }
+    }
+
+    fn time(&self, index: usize) -> f64 {
+        self.start + index as f64 * self.interval
+    }
+}
+
+/// The table of all shots; with several shots its first column is `shot`.
+pub fn plain_table(set: &TraceSet, content: TableContent) -> anyhow::Result<Table> {
     let shots: Vec<&Shot> = set.shots.iter().filter(|shot| !shot.captures.is_empty()).collect();
     let Some(first) = shots.first() else {
         return Err(no_capture(&set.problems));
     };
-    let names = columns(set, first, content)?.iter().map(|c| c.name.clone()).collect::<Vec<_>>();
+    let names: Vec<String> =
+        columns(set, first, content)?.into_iter().map(|column| column.name).collect();
     let several = shots.len() > 1;
-    let abscissa = if first.captures.iter().any(|c| c.waveform.preamble.x_unit == "s") {
-        "time_s"
-    } else {
-        "frequency_Hz"
-    };
-    let shot_name = if several { "shot," } else { "" };
-    let mut text = format!("{shot_name}{abscissa},{}\n", names.join(","));
+    let over_time = first.captures.iter().any(|c| c.waveform.preamble.x_unit == "s");
+    let abscissa = if over_time { "time_s" } else { "frequency_Hz" };
+    let mut head: Vec<Column> = several.then(|| Column::count("shot")).into_iter().collect();
+    head.extend(
+        std::iter::once(abscissa)
+            .chain(names.iter().map(String::as_str))
+            .map(|name| Column::number(printable(name))),
+    );
+    let mut rows = Vec::new();
     for shot in &shots {
         let columns = columns(set, shot, content)?;
         if !columns.iter().map(|column| &column.name).eq(&names) {
@@ -53,63 +68,45 @@ pub fn plain_table(set: &TraceSet, content: TableContent) -> anyhow::Result<Stri
                 first.number
             );
         }
-        rows(&mut text, several.then_some(shot.number), &columns);
+        let Some(axis) = columns.first() else { continue };
+        rows.extend((0..axis.values.len()).map(|index| {
+            let mut row: Vec<Cell> = several.then(|| shot.number.into()).into_iter().collect();
+            row.push(rounded(axis.time(index)).into());
+            let values = columns.iter().map(|column| column.values.get(index).copied().flatten());
+            row.extend(values.map(|value| Cell::from(value.map(rounded))));
+            row
+        }));
     }
-    Ok(text)
-}
-
-fn rows(text: &mut String, shot: Option<u32>, columns: &[TableColumn]) {
-    let Some(first) = columns.first() else { return };
-    for index in 0..first.trace.values.len() {
-        // Writing to a String cannot fail.
-        if let Some(number) = shot {
-            let _ = write!(text, "{number},");
-        }
-        let _ = write!(text, "{}", printed(first.trace.time(index)));
-        for column in columns {
-            text.push(',');
-            if let Some(value) = column.trace.values.get(index).filter(|value| value.is_finite()) {
-                let _ = write!(text, "{}", printed(*value));
-            }
-        }
-        text.push('\n');
-    }
+    Ok(Table { columns: head, rows })
 }
 
 /// `value` without the round-off of double precision.
-fn printed(value: f64) -> f64 {
+fn rounded(value: f64) -> f64 {
     format!("{value:.*e}", PRINTED_DIGITS - 1).parse::<f64>().unwrap_or(value) + 0.0
 }
 
-fn columns(set: &TraceSet, shot: &Shot, content: TableContent) -> anyhow::Result<Vec<TableColumn>> {
+fn columns(set: &TraceSet, shot: &Shot, content: TableContent) -> anyhow::Result<Vec<TraceColumn>> {
     let mut columns = Vec::new();
     if content.newtons {
         for found in forces(set, shot) {
             let found = found?;
-            columns.push(TableColumn { name: format!("{}_N", found.channel), trace: found.force });
+            columns.push(TraceColumn::new(format!("{}_N", found.channel), &found.force));
         }
     } else {
-        for capture in &shot.captures {
+        columns.extend(shot.captures.iter().map(|capture| {
             let waveform = &capture.waveform;
-            let values = waveform.codes.iter().map(|code| waveform.volts_of(*code)).collect();
-            let unit = waveform.preamble.y_unit.clone();
-            let trace = Trace {
-                name: waveform.source.to_string(),
-                unit: unit.clone(),
+            TraceColumn {
+                name: format!("{}_{}", waveform.source, waveform.preamble.y_unit),
                 start: waveform.time(0),
                 interval: waveform.preamble.x_incr,
-                values,
-            };
-            columns.push(TableColumn { name: format!("{}_{unit}", waveform.source), trace });
-        }
+                values: waveform.codes.iter().map(|code| Some(waveform.volts_of(*code))).collect(),
+            }
+        }));
     }
-    let Some(axis) = columns.first().map(|column| column.trace.clone()) else {
-        return Ok(columns);
-    };
-    let is_other = |column: &&TableColumn| {
-        let trace = &column.trace;
-        let off = (trace.start - axis.start).abs() + (trace.interval - axis.interval).abs();
-        off > 1e-6 * axis.interval || trace.values.len() != axis.values.len()
+    let Some(axis) = columns.first() else { return Ok(columns) };
+    let is_other = |column: &&TraceColumn| {
+        let off = (column.start - axis.start).abs() + (column.interval - axis.interval).abs();
+        off > 1e-6 * axis.interval || column.values.len() != axis.values.len()
     };
     if let Some(other) = columns.iter().find(is_other) {
         bail!(
@@ -117,18 +114,19 @@ fn columns(set: &TraceSet, shot: &Shot, content: TableContent) -> anyhow::Result
             shot.number,
             other.name,
             axis.name,
-            engineering(other.trace.interval, "s", 4),
+            engineering(other.interval, "s", 4),
             engineering(axis.interval, "s", 4)
         );
     }
     if content.truth {
-        columns.extend(truth(shot, &axis)?);
+        let truth = truth(shot, axis)?;
+        columns.extend(truth);
     }
     Ok(columns)
 }
 
 /// True forces at the sensors, at the times of `axis`.
-fn truth(shot: &Shot, axis: &Trace) -> anyhow::Result<Vec<TableColumn>> {
+fn truth(shot: &Shot, axis: &TraceColumn) -> anyhow::Result<Vec<TraceColumn>> {
     let Some(trigger) = shot.trigger_time else {
         bail!("shot {} holds no truth: only simulations do", shot.number);
     };
@@ -138,28 +136,28 @@ fn truth(shot: &Shot, axis: &Trace) -> anyhow::Result<Vec<TableColumn>> {
         .filter_map(|trace| Some((TrueSignal::of(trace)?.sensor()?.to_owned(), trace)));
     let columns = sensors.map(|(name, trace)| {
         let at = |index: usize| interpolated(trace, axis.time(index) + trigger);
-        let values = (0..axis.values.len()).map(at).collect();
-        TableColumn {
+        TraceColumn {
             name: format!("truth_{name}_{}", trace.unit),
-            trace: Trace { values, ..axis.clone() },
+            start: axis.start,
+            interval: axis.interval,
+            values: (0..axis.values.len()).map(at).collect(),
         }
     });
     Ok(columns.collect())
 }
 
-/// The value at `time` on the straight line between neighbouring samples; not a number outside the
+/// The value at `time` (s) on the straight line between neighbouring samples, absent outside the
 /// record.
-fn interpolated(trace: &Trace, time: f64) -> f64 {
+fn interpolated(trace: &Trace, time: f64) -> Option<f64> {
     let place = (time - trace.start) / trace.interval;
-    // Also a place that is not a number.
     if place.is_nan() || place < 0.0 {
-        return f64::NAN;
+        return None;
     }
     let index = place.floor() as usize;
     let share = place - place.floor();
     match (trace.values.get(index), trace.values.get(index + 1)) {
-        (Some(here), Some(next)) => here + share * (next - here),
-        (Some(here), None) if share == 0.0 => *here,
-        _ => f64::NAN,
+        (Some(here), Some(next)) => Some(here + share * (next - here)),
+        (Some(here), None) if share == 0.0 => Some(*here),
+        _ => None,
     }
 }

@@ -4,20 +4,21 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
 use clap::Args;
-use serde_json::json;
+use serde::{Serialize, Serializer};
 
-use super::accuracy::accuracy;
+use super::accuracy::{ByHand, TOLERANCES, accuracy};
 use super::budget::DrawArguments;
-use super::by_hand::{ByHand, step, tolerance};
 use super::picture::PlotArguments;
 use super::progress::JobProgress;
+use super::value::{ABOVE_ZERO, quantity};
 use crate::experiment::accuracy::{run_by_hand, run_to_accuracy};
 use crate::experiment::auto_effects::resolve_auto_effects;
 use crate::experiment::outcome::Summary;
 use crate::experiment::{Integration, facts};
-use crate::measurement::arrivals::{Survey, survey};
-use crate::measurement::statistics::statistics;
+use crate::measurement::arrivals::survey;
+use crate::measurement::statistics::{ShotStatistic, statistics};
 use crate::predict::UncertainPrediction;
+use crate::quantity::Dimension;
 use crate::recording::mcap::RecordingWriter;
 use crate::recording::{Shot, TraceSet};
 use crate::report;
@@ -44,18 +45,16 @@ pub struct Arguments {
     #[arg(long, value_enum)]
     method: Option<ByHand>,
     /// Step of --method, e.g. 50ns
-    #[arg(long, value_name = "T", value_parser = step, allow_hyphen_values = true, requires = "method", conflicts_with = "tolerance")]
+    #[arg(long, value_name = "T", value_parser = quantity(Dimension::TIME, ABOVE_ZERO, "50ns"), allow_hyphen_values = true, requires = "method", conflicts_with = "tolerance")]
     step: Option<f64>,
     /// Error allowed in each step of --method, relative to the largest change of overlap and the
     /// largest speed, e.g. 1e-8
-    #[arg(long, value_name = "X", value_parser = tolerance, allow_hyphen_values = true, requires = "method")]
+    #[arg(long, value_name = "X", value_parser = quantity(Dimension::NONE, TOLERANCES, "1e-8"), allow_hyphen_values = true, requires = "method")]
     tolerance: Option<f64>,
     /// Random seed of noise and sampling phase [default: the scene's]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// How often over the scene's duration the recording keeps the forces of all contacts and the
-    /// displacements of all bodies, 2 to 50000: more for the spectra of a long run, fewer for a
-    /// small file (sensors' forces are kept at the scope's samples)
+    /// Number of times at which contact forces and displacements are stored, 2 to 50000
     /// [default: the scene's, else 200]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(i64::from(*FRAMES.start())..=i64::from(*FRAMES.end())))]
     frames: Option<u32>,
@@ -94,10 +93,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     scene.frames = arguments.frames.unwrap_or(scene.frames);
     arguments.plot.check()?;
     let integration = integration(arguments, &scene)?;
-    // Before the recording tells what it is of.
+    // Before the recording's metadata are made.
     let scene = resolve_auto_effects(&scene, integration);
     let known = facts::facts(&scene, integration)?;
-    let attachments = [facts::scene_attachment(&scene)];
+    let attachments = facts::scene_attachments(&scene);
     // Before the work, so that a folder that cannot be written to costs no simulation.
     let mut writer = if let Some(file) = arguments.output.as_deref() {
         RecordingWriter::create(is_recording(file)?, &known, &attachments)?
@@ -134,54 +133,80 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     } else {
         None
     };
-    let title = format!("{}: {}", scene.name, scene.title);
-    arguments.plot.save(|| match &predicted {
-        Some(predicted) => report::bands_picture(&predicted.bands, &title),
-        None => first.map_or_else(String::new, |shot| report::shot_picture(&shot, &title)),
-    })?;
     // As it was typed.
     let recording = arguments.output.as_ref().unwrap_or(&file).display().to_string();
-    tell(arguments, &summaries, &surveys, predicted.as_ref(), &recording)
+    let found = RunResult {
+        statistics: (arguments.shots > 1).then(|| statistics(&surveys)),
+        shots: summaries,
+        recording,
+        uncertainty: predicted,
+    };
+    let title = format!("{}: {}", scene.name, scene.title);
+    arguments.plot.save(&found, || match &found.uncertainty {
+        Some(predicted) => report::bands_picture(&predicted.bands, &title),
+        None => report::shot_picture(first.as_ref(), &title),
+    })?;
+    if arguments.json || !arguments.quiet {
+        return super::show(&found, arguments.json, RunResult::text);
+    }
+    // Scripts read standard output; the name may be one that the program chose.
+    for note in found.shots.iter().flat_map(|summary| &summary.notes) {
+        if note.code == "not_triggered" {
+            super::say(&format!("note        {note}"));
+        }
+    }
+    super::say(&format!("recording   {}", found.recording));
+    Ok(())
 }
 
-/// Prints what happened.
-fn tell(
-    arguments: &Arguments,
-    summaries: &[Summary],
-    surveys: &[Survey],
-    predicted: Option<&UncertainPrediction>,
-    recording: &str,
-) -> anyhow::Result<()> {
-    if arguments.json {
-        let mut summary = match summaries {
-            [summary] => serde_json::to_value(summary)?,
-            several => json!({ "shots": several, "statistics": statistics(surveys) }),
+/// Result of the command: the summary of a single shot has its fields beside `recording`, several
+/// are a list `shots`.
+struct RunResult {
+    shots: Vec<Summary>,
+    statistics: Option<Vec<ShotStatistic>>,
+    recording: String,
+    uncertainty: Option<UncertainPrediction>,
+}
+
+impl Serialize for RunResult {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        #[serde(untagged)]
+        enum Shots<'a> {
+            One(&'a Summary),
+            Several { shots: &'a [Summary], statistics: &'a Option<Vec<ShotStatistic>> },
+        }
+        #[derive(Serialize)]
+        struct Fields<'a> {
+            #[serde(flatten)]
+            shots: Shots<'a>,
+            recording: &'a str,
+            #[serde(skip_serializing_if = "Option::is_none")]
+            uncertainty: &'a Option<UncertainPrediction>,
+        }
+        let shots = match self.shots.as_slice() {
+            [summary] => Shots::One(summary),
+            shots => Shots::Several { shots, statistics: &self.statistics },
         };
-        summary["recording"] = json!(recording);
-        if let Some(predicted) = predicted {
-            summary["uncertainty"] = serde_json::to_value(predicted)?;
-        }
-        super::print(&serde_json::to_string_pretty(&summary)?)?;
-    } else if arguments.quiet {
-        // Scripts read standard output; the name may be one that the program chose.
-        for note in summaries.iter().flat_map(|summary| &summary.notes) {
-            if note.code == "not_triggered" {
-                eprintln!("note        {note}");
-            }
-        }
-        eprintln!("recording   {recording}");
-    } else {
-        super::print(&summaries.first().map(report::summary).unwrap_or_default())?;
-        if arguments.shots > 1 {
-            super::print(&format!("\nabove shot 1 of {}\n", arguments.shots))?;
-            super::print(&format!("{}\n", report::statistics(&statistics(surveys))))?;
-        }
-        if let Some(predicted) = predicted {
-            super::print(&format!("\n{}", report::prediction_intervals(predicted)))?;
-        }
-        super::print(&format!("  recording   {recording}"))?;
+        let (recording, uncertainty) = (self.recording.as_str(), &self.uncertainty);
+        Fields { shots, recording, uncertainty }.serialize(serializer)
     }
-    Ok(())
+}
+
+impl RunResult {
+    fn text(&self) -> String {
+        let mut page = self.shots.first().map(report::summary).unwrap_or_default();
+        if let Some(statistics) = &self.statistics {
+            page = format!("shot 1 of {}\n\n{page}\n\n", self.shots.len());
+            page.push_str(&report::statistics(statistics));
+            page.push('\n');
+        }
+        if let Some(predicted) = &self.uncertainty {
+            page.push_str("\n\n");
+            page.push_str(&report::prediction_intervals(predicted));
+        }
+        format!("{page}\n  recording   {}", self.recording)
+    }
 }
 
 /// Refuses file names without the ending of a recording.

@@ -1,7 +1,7 @@
 //! `hertzscope scenes`: what ships with the program.
 
 use clap::Args;
-use serde_json::json;
+use serde::Serialize;
 
 use crate::data;
 use crate::scene::{Scene, SceneError};
@@ -16,6 +16,13 @@ pub struct Arguments {
     json: bool,
 }
 
+/// A scene of the list.
+#[derive(Serialize)]
+struct Titled<'a> {
+    name: &'a str,
+    title: &'a str,
+}
+
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(name) = &arguments.name {
         let text = data::instrument("scenes", name)
@@ -23,11 +30,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         return super::print(text.trim_end());
     }
     let scenes = Scene::names().into_iter().map(Scene::load).collect::<Result<Vec<_>, _>>()?;
-    if arguments.json {
-        let list = scenes.iter().map(|s| json!({ "name": s.name, "title": s.title }));
-        return super::print(&serde_json::to_string_pretty(&list.collect::<Vec<_>>())?);
-    }
-    let lines: Vec<String> =
-        scenes.iter().map(|scene| format!("{:<22} {}", scene.name, scene.title)).collect();
-    super::print(&lines.join("\n"))
+    let list: Vec<Titled<'_>> =
+        scenes.iter().map(|scene| Titled { name: &scene.name, title: &scene.title }).collect();
+    super::show(&list, arguments.json, |list| {
+        let lines = list.iter().map(|row| format!("{:<22} {}", row.name, row.title));
+        lines.collect::<Vec<_>>().join("\n")
+    })
 }

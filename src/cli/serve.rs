@@ -5,6 +5,7 @@ use std::fs::File;
 use std::future::pending;
 use std::io::{Write, stderr};
 use std::net::{SocketAddr, TcpListener, UdpSocket};
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::Duration;
@@ -14,9 +15,10 @@ use clap::{Args, ValueEnum};
 use serde_json::json;
 use tokio::sync::{mpsc, oneshot};
 
+use super::value::quantity;
 use crate::experiment::{Integration, facts};
 use crate::instrument::{BenchAccess, Fault, fault};
-use crate::quantity::{Dimension, parse};
+use crate::quantity::Dimension;
 use crate::recording::mcap::RecordingWriter;
 use crate::scene::Scene;
 use crate::server::{self, ServerOptions, Sockets};
@@ -42,8 +44,8 @@ pub struct Arguments {
     #[arg(long, value_name = "PORT", requires = "vxi11")]
     port_mapper: Option<u16>,
     /// Strike the chain at this interval, e.g. 2s [default: only when a client sends BENCh:IMPact]
-    #[arg(long, value_name = "T", value_parser = period)]
-    impact_every: Option<Duration>,
+    #[arg(long, value_name = "T", value_parser = quantity(Dimension::TIME, STRIKE_INTERVALS, "2s"))]
+    impact_every: Option<f64>,
     /// Strike the chain at each line on standard input: press Enter in this terminal
     #[arg(long)]
     impact_on_enter: bool,
@@ -100,25 +102,12 @@ fn faults_help() -> String {
     text
 }
 
-fn period(text: &str) -> Result<Duration, String> {
-    let expected = "expected a time of 1 ms or more, e.g. 2s";
-    match parse(text, Dimension::TIME) {
-        Ok(seconds) if seconds >= 1e-3 => Duration::try_from_secs_f64(seconds)
-            .ok()
-            .filter(|period| *period <= MAX_STRIKE_INTERVAL)
-            .ok_or_else(|| format!("found {text}, expected at most a year")),
-        Ok(_) => Err(format!("found {text}, {expected}")),
-        Err(error) => Err(format!("found {error}, {expected}")),
-    }
-}
-
+/// Shortest and longest time from one strike to the next: a millisecond, a year (s).
+const STRIKE_INTERVALS: RangeInclusive<f64> = 1e-3..=365.0 * 24.0 * 3600.0;
 /// Largest limit of a file (MB).
 const MAX_SIZE_LIMIT: u64 = 1_000_000_000;
 /// Bytes in a megabyte.
 const MEGABYTE: u64 = 1_000_000;
-
-/// Longest time from one strike to the next: a year.
-const MAX_STRIKE_INTERVAL: Duration = Duration::from_secs(365 * 24 * 3600);
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut scene = Scene::load(&arguments.scene)?;
@@ -155,7 +144,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let told = announcement(arguments, &sockets, file.as_deref())?;
     let options = ServerOptions {
         header: arguments.header == Switch::On,
-        impact_every: arguments.impact_every,
+        impact_every: arguments.impact_every.map(Duration::from_secs_f64),
         warn: Some(|text| super::say(&format!("warning: {text}"))),
         strikes: arguments.impact_on_enter.then(lines),
         faults: arguments.fault.clone(),
@@ -277,7 +266,7 @@ fn create_recording(file: &Path, scene: &Scene) -> anyhow::Result<RecordingWrite
         let times = "of messages: nanoseconds since 1970; of records: seconds after the trigger; of the truth: seconds after the striker's first contact";
         recording.insert("time_base".to_owned(), times.to_owned());
     }
-    Ok(RecordingWriter::create_live(file, &known, &[facts::scene_attachment(scene)])?)
+    Ok(RecordingWriter::create_live(file, &known, &facts::scene_attachments(scene))?)
 }
 
 /// A message for every line on standard input, until it ends.

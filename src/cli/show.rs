@@ -1,10 +1,10 @@
-//! `hertzscope show`: a scene with everything it stands on.
+//! `hertzscope show`: a scene with everything it is based on.
 
 use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::scene::resolved::resolved;
+use crate::scene::Scene;
 
 /// Print a scene with everything it is based on and every default, as a scene that gives the same
 /// run
@@ -16,5 +16,5 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    super::print_toml(resolved(&arguments.scene)?.trim_end())
+    super::print_toml(Scene::resolved(&arguments.scene)?.trim_end())
 }

@@ -6,10 +6,11 @@ use anyhow::bail;
 use clap::{Args, ValueEnum};
 
 use super::input::{ReadingArguments, no_capture};
+use super::value::quantity;
 use crate::analysis::gate::Gate;
 use crate::analysis::spectrum::Window;
 use crate::measurement::metadata;
-use crate::quantity::{Dimension, parse};
+use crate::quantity::Dimension;
 use crate::recording::true_signal::topic;
 use crate::recording::{Capture, Shot, TraceSet, TrueSignal};
 use crate::scene::Site;
@@ -37,11 +38,6 @@ impl WindowChoice {
     }
 }
 
-/// Reads a time.
-pub fn time(text: &str) -> Result<f64, String> {
-    parse(text, Dimension::TIME).map_err(|error| format!("{error}, expected a time, e.g. 200us"))
-}
-
 /// Which signal of a recording, and which part of it.
 #[derive(Debug, Args)]
 pub struct SignalArguments {
@@ -54,10 +50,10 @@ pub struct SignalArguments {
     #[arg(long, value_name = "NAME", conflicts_with = "channel")]
     truth: Option<String>,
     /// Start, e.g. 200us: after the trigger, or with --truth after the striker's first contact
-    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    #[arg(long, value_name = "T", value_parser = quantity(Dimension::TIME, .., "200us"), allow_hyphen_values = true)]
     from: Option<f64>,
-    /// End
-    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    /// Stop at this time
+    #[arg(long, value_name = "T", value_parser = quantity(Dimension::TIME, .., "200us"), allow_hyphen_values = true)]
     to: Option<f64>,
 }
 
@@ -101,7 +97,7 @@ impl SignalArguments {
     }
 }
 
-/// A signal, where it was felt, and what is subtracted from it.
+/// A signal, its sensor's site, and the offset that is subtracted (unit).
 pub type SelectedSignal = (Trace, Option<Site>, f64);
 
 /// The first channel that is meant.

@@ -1,14 +1,15 @@
 //! `hertzscope spectrogram`: how a signal's frequencies change with time.
 
 use clap::Args;
-use serde_json::json;
 
 use super::picture::PlotArguments;
-use super::signal::{SignalArguments, WindowChoice, time};
+use super::signal::{SignalArguments, WindowChoice};
+use super::value::quantity;
 use crate::analysis::spectrum::{Analyser, SpectrumSettings};
 use crate::analysis::time_frequency::{Pieces, Spectrogram};
 use crate::measurement::metadata;
-use crate::report::spectrogram::{SpectrogramPage, svg, text};
+use crate::quantity::Dimension;
+use crate::report::spectrogram::SpectrogramPage;
 
 /// Without a highest frequency or band edges, the map ends at this share of half the sampling
 /// frequency (1).
@@ -23,10 +24,10 @@ pub struct Arguments {
     signal: SignalArguments,
     /// Length of a segment, e.g. 200us; the frequency resolution is 1/length
     /// [default: a sixteenth of the record, or what it takes to show the band gap]
-    #[arg(long, value_name = "T", value_parser = time)]
+    #[arg(long, value_name = "T", value_parser = quantity(Dimension::TIME, .., "200us"))]
     segment: Option<f64>,
-    /// Time from one segment to the next [default: a thirty-second part of a segment]
-    #[arg(long, value_name = "T", value_parser = time)]
+    /// Time from one segment to the next [default: 1/32 of a segment]
+    #[arg(long, value_name = "T", value_parser = quantity(Dimension::TIME, .., "200us"))]
     hop: Option<f64>,
     /// The window function of each segment
     #[arg(long, value_enum, default_value_t = WindowChoice::Hann)]
@@ -62,31 +63,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let highest =
         chain.map_or(SHOWN_SHARE * 0.5 / trace.interval, |chain| BAND_MARGIN * chain.cutoff());
     let title = arguments.signal.title(&trace);
-    let page = SpectrogramPage { title, map, chain, highest };
-    arguments.plot.save(|| svg(&page))?;
-    let clipped = arguments.signal.clipped(&set);
-    if !arguments.json {
-        let note = clipped.map(|note| format!("  note  {note}"));
-        let lines: Vec<String> = std::iter::once(text(&page)).chain(note).collect();
-        return super::print(&lines.join("\n"));
-    }
-    let map = &page.map;
-    let first = map.columns.first();
-    super::print(&serde_json::to_string_pretty(&json!({
-        "signal": page.title,
-        "unit": first.map(|column| &column.unit),
-        "convention": first.map(|column| column.convention.to_string()),
-        "window": first.map(|column| column.window.to_string()),
-        "segment_samples": pieces.segment,
-        "hop_samples": pieces.hop,
-        "step_hz": first.map(|column| column.step),
-        "resolution_hz": first.map(|column| column.resolution),
-        "f1_hz": page.chain.map(|chain| chain.gap_bottom()),
-        "f2_hz": page.chain.map(|chain| chain.gap_top()),
-        "f3_hz": page.chain.map(|chain| chain.cutoff()),
-        "notes": clipped.into_iter().collect::<Vec<_>>(),
-        "times_s": map.times,
-        "ridge_hz": map.ridge(0.0, f64::INFINITY),
-        "amplitude": map.columns.iter().map(|column| &column.amplitude).collect::<Vec<_>>(),
-    }))?)
+    let notes = arguments.signal.clipped(&set).into_iter().collect();
+    let page = SpectrogramPage { title, map, chain, highest, pieces, notes };
+    arguments.plot.save(&page, || page.picture())?;
+    super::show(&page, arguments.json, SpectrogramPage::text)
 }

@@ -1,7 +1,6 @@
 //! `hertzscope spectrum`: the frequencies in a recording's signal.
 
 use clap::{Args, ValueEnum};
-use serde_json::{Value, json};
 
 use super::picture::PlotArguments;
 use super::signal::{SignalArguments, WindowChoice};
@@ -9,8 +8,7 @@ use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::spectrum::{Analyser, Convention, SpectrumSettings};
 use crate::measurement::metadata;
 use crate::recording::TraceSet;
-use crate::report;
-use crate::report::spectrum::{SpectrumPage, band};
+use crate::report::spectrum::{ListedPeak, SpectrumPage};
 use crate::scene::Site;
 
 /// Maxima lower than this share of the highest are not listed (1).
@@ -65,14 +63,11 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     peaks.truncate(MAX_LISTED);
     let (chain, mut notes) = chain_at(&set, arguments.signal.shot(), site);
     notes.extend(arguments.signal.clipped(&set));
+    let peaks = peaks.iter().map(|peak| ListedPeak::new(peak, chain.as_ref())).collect();
     let title = arguments.signal.title(&trace);
     let page = SpectrumPage { title, spectrum, peaks, chain, offset, notes };
-    arguments.plot.save(|| report::chart(&page.curve(), &page.title))?;
-    if arguments.json {
-        super::print(&serde_json::to_string_pretty(&as_json(&page))?)
-    } else {
-        super::print(&page.text())
-    }
+    arguments.plot.save(&page, || page.picture())?;
+    super::show(&page, arguments.json, SpectrumPage::text)
 }
 
 /// The chain around the sensor, or why it is not known.
@@ -106,40 +101,4 @@ pub fn chain_at(
             vec!["no band edges: the file carries no scene; give one with --scene".to_owned()],
         ),
     }
-}
-
-fn as_json(page: &SpectrumPage) -> Value {
-    let spectrum = &page.spectrum;
-    let peaks = page.peaks.iter().map(|peak| {
-        json!({
-            "frequency_hz": peak.frequency,
-            "u_hz": peak.uncertain().u,
-            "U95_hz": peak.uncertain().expanded(),
-            "amplitude": peak.amplitude,
-            "band": page.chain.map(|chain| band(&chain, peak.frequency)),
-        })
-    });
-    let mut found = json!({
-        "signal": page.title,
-        "convention": spectrum.convention.to_string(),
-        "unit": spectrum.unit,
-        "window": spectrum.window.to_string(),
-        "samples": spectrum.samples,
-        "padded": spectrum.padded,
-        "step_hz": spectrum.step,
-        "resolution_hz": spectrum.resolution,
-        "offset": page.offset,
-        "peaks": peaks.collect::<Vec<_>>(),
-        "amplitude": spectrum.amplitude,
-        "notes": page.notes,
-    });
-    add_band_edges(&mut found, page.chain.as_ref());
-    found
-}
-
-/// Adds the band edges of `chain` to what a script reads; null where it is not known.
-pub fn add_band_edges(found: &mut Value, chain: Option<&DiatomicChain>) {
-    found["f1_hz"] = json!(chain.map(DiatomicChain::gap_bottom));
-    found["f2_hz"] = json!(chain.map(DiatomicChain::gap_top));
-    found["f3_hz"] = json!(chain.map(DiatomicChain::cutoff));
 }

@@ -23,8 +23,8 @@ use crate::sweep::log::{Scan, SweepLog, logs, scan};
 use crate::sweep::plan::SweepPlan;
 use crate::sweep::shard::Shard;
 use crate::sweep::summary::SweepSummary;
-use crate::sweep::table;
 use crate::sweep::work::{SweepOptions, work};
+use crate::table;
 
 /// Run a scene with thousands of parameter values: grid, random or Latin hypercube; an interrupted
 /// sweep resumes
@@ -128,10 +128,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         let logs = GatheredLogs::read(&folder)?;
         summary.gathered = Some(gathered(&folder, logs, &tables, arguments.quiet)?);
     }
-    if arguments.json {
-        super::print(&serde_json::to_string_pretty(&summary)?)?;
-    } else if !arguments.quiet {
-        super::print(&report::sweep(&summary))?;
+    if arguments.json || !arguments.quiet {
+        super::show(&summary, arguments.json, report::sweep)?;
     }
     Ok(())
 }

@@ -4,15 +4,16 @@ use std::path::PathBuf;
 
 use anyhow::bail;
 use clap::Args;
-use serde_json::{Value, json};
 
 use super::input::ReadingArguments;
 use super::picture::PlotArguments;
-use super::signal::{WindowChoice, named, time};
-use super::spectrum::{add_band_edges, chain_at};
+use super::signal::{WindowChoice, named};
+use super::spectrum::chain_at;
+use super::value::quantity;
 use crate::analysis::gate::Gate;
 use crate::analysis::transfer::{TransferSettings, transfer};
-use crate::report::transfer::{TransferPage, decibels};
+use crate::quantity::Dimension;
+use crate::report::transfer::TransferPage;
 use crate::scope::Waveform;
 
 /// Show the transfer function and coherence between two sensors, averaged over shots, with the band
@@ -35,10 +36,10 @@ pub struct Arguments {
     window: WindowChoice,
     /// Start, e.g. -200us: after the trigger, or for simulated signals after the striker's first
     /// contact
-    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    #[arg(long, value_name = "T", value_parser = quantity(Dimension::TIME, .., "200us"), allow_hyphen_values = true)]
     from: Option<f64>,
-    /// End
-    #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
+    /// Stop at this time
+    #[arg(long, value_name = "T", value_parser = quantity(Dimension::TIME, .., "200us"), allow_hyphen_values = true)]
     to: Option<f64>,
     /// Print as JSON, all bins included
     #[arg(long)]
@@ -95,39 +96,6 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         chain,
         notes,
     };
-    arguments.plot.save(|| page.picture())?;
-    if arguments.json {
-        super::print(&serde_json::to_string_pretty(&as_json(&page))?)
-    } else {
-        super::print(&page.text())
-    }
-}
-
-fn as_json(page: &TransferPage) -> Value {
-    let found = &page.found;
-    let column = |of: &dyn Fn(usize) -> f64| (0..found.bins.len()).map(of).collect::<Vec<f64>>();
-    let bands = page.bands().into_iter().filter_map(|(name, [low, high])| {
-        let band = found.between(low, high)?;
-        Some(json!({
-            "name": name, "from_hz": low, "to_hz": high, "input_share": band.input_share,
-            "gain": band.gain, "gain_db": decibels(band.gain), "coherence": band.coherence,
-        }))
-    });
-    let mut all = json!({
-        "signals": page.title,
-        "shots": page.shots,
-        "segments": found.segments,
-        "samples": found.length,
-        "window": page.window,
-        "step_hz": found.step,
-        "chance_coherence": found.chance_coherence(),
-        "bands": bands.collect::<Vec<_>>(),
-        "gain": column(&|bin| found.bins[bin].gain),
-        "gain_u": column(&|bin| found.bins[bin].gain_u),
-        "phase_rad": column(&|bin| found.bins[bin].phase),
-        "coherence": column(&|bin| found.bins[bin].coherence),
-        "notes": page.notes,
-    });
-    add_band_edges(&mut all, page.chain.as_ref());
-    all
+    arguments.plot.save(&page, || page.picture())?;
+    super::show(&page, arguments.json, TransferPage::text)
 }

@@ -14,7 +14,7 @@ use super::overwrite::ending;
 use crate::client::{Address, ClientTiming};
 use crate::recording::TraceSet;
 use crate::recording::format::Format;
-use crate::recording::mcap::indexed_recording::IndexedRecording;
+use crate::recording::mcap::IndexedRecording;
 use crate::scene::Scene;
 use crate::tui::work::served::ServedConnection;
 use crate::tui::{self, ViewSource};
@@ -165,8 +165,7 @@ fn watch(arguments: &Arguments, address: &Address) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The bench of a scene, which is read here so that its problems are told before the screen is
-/// taken.
+/// The bench of a scene, read here so that its problems are reported before the screen opens.
 fn bench(scene: &str) -> anyhow::Result<ViewSource> {
     Scene::load(scene)?;
     let base = match std::fs::canonicalize(scene) {

@@ -74,10 +74,11 @@ impl Record<'_> {
     fn contradictions(&self, capture: &Capture) -> Vec<String> {
         let waveform = &capture.waveform;
         let preamble = &waveform.preamble;
-        let differs = |a: f64, b: f64| !((a - b).abs() <= PRINTING_TOLERANCE * b.abs());
+        // False also for numbers that are not finite.
+        let same = |a: f64, b: f64| (a - b).abs() <= PRINTING_TOLERANCE * b.abs();
         let mut notes = Vec::new();
         let scale = preamble.y_mult * LEVELS_PER_DIVISION;
-        if differs(scale, waveform.vertical.scale) {
+        if !same(scale, waveform.vertical.scale) {
             let unit = format!("{}/div", preamble.y_unit);
             let (found, other) =
                 (engineering(scale, &unit, 4), engineering(waveform.vertical.scale, &unit, 4));
@@ -85,7 +86,7 @@ impl Record<'_> {
         }
         let is_signal = preamble.x_unit == "s";
         let time_base = preamble.x_incr * POINTS_PER_DIVISION;
-        if is_signal && differs(time_base, waveform.horizontal_scale) {
+        if is_signal && !same(time_base, waveform.horizontal_scale) {
             let (found, other) = (
                 engineering(time_base, "s/div", 4),
                 engineering(waveform.horizontal_scale, "s/div", 4),

@@ -12,6 +12,9 @@ use crate::numeric::roots::root;
 const LOSSY_SAMPLE_TIMES: [f64; 3] = [0.25, 0.5, 0.75];
 /// A force exceeds the larger of those at the ends of its step by less than this factor (1).
 const MAX_RISE_IN_STEP: f64 = 1.5;
+/// The force of a contact with losses is sampled within a step in which it changes by more than
+/// this share (1).
+const MIN_CHANGE_SHARE: f64 = 1e-3;
 
 /// Largest contact forces, and the displacements of the body that a magnet follows.
 #[derive(Debug, Clone)]
@@ -49,11 +52,15 @@ impl Extremes {
             let force = |[change, closing]: [f64; 2]| {
                 contact.static_force + contact.lossy_force_change(change, closing, closed)
             };
-            let at_ends = force(before).max(force(after));
+            let (start, end) = (force(before), force(after));
+            let at_ends = start.max(end);
             *largest = largest.max(at_ends);
             let turns = before[1] > 0.0 && after[1] <= 0.0;
             let is_lossy = contact.loss.is_some();
-            if !(turns || is_lossy && MAX_RISE_IN_STEP * at_ends > *largest) {
+            let may_exceed = is_lossy
+                && (start - end).abs() > MIN_CHANGE_SHARE * at_ends
+                && MAX_RISE_IN_STEP * at_ends > *largest;
+            if !(turns || may_exceed) {
                 continue;
             }
             let [above, below] =

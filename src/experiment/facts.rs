@@ -145,13 +145,19 @@ pub fn shot_facts(scene: &Scene, number: u32, impact: u32) -> Facts {
     facts
 }
 
-/// The scene as typed, to travel with the recording.
-pub fn scene_attachment(scene: &Scene) -> Attachment {
-    Attachment {
-        name: format!("{}.toml", scene.name),
+/// Ending of the merged scene that travels with a recording.
+const MERGED: &str = ".merged.toml";
+
+/// The scene as typed, and merged with everything it is based on, to travel with a recording: the
+/// merged one can be read anywhere.
+pub fn scene_attachments(scene: &Scene) -> Vec<Attachment> {
+    let attachment = |ending: &str, text: &str| Attachment {
+        name: format!("{}{ending}", scene.name),
         media_type: "application/toml".to_owned(),
-        data: scene.text.clone().into_bytes(),
-    }
+        data: text.as_bytes().to_vec(),
+    };
+    let merged = scene.texts.merged().map(|text| attachment(MERGED, text));
+    std::iter::once(attachment(".toml", &scene.text)).chain(merged).collect()
 }
 
 /// Records of a shot beside its traces.

@@ -11,10 +11,15 @@ use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rand_pcg::Pcg64;
 
 use super::record::Signals;
-use crate::quantity::{Dimension, parse};
+use crate::quantity::{Dimension, engineering, parse};
 
 /// Stream of the random numbers of replies; those of a channel and shot are below.
 const REPLIES: u128 = 1 << 64;
+
+/// Longest delay of a reply or a signal, a day (s).
+const MAX_DELAY: f64 = 86_400.0;
+/// Largest voltage of a sensor's fault (V).
+const MAX_VOLTAGE: f64 = 1e6;
 
 /// How the kinds are written, and what each does.
 pub const KINDS: &[(&str, &str)] = &[
@@ -102,23 +107,28 @@ fn read(text: &str) -> Result<Fault, String> {
         parse(value, dimension)
             .map_err(|error| format!("{error}; expected {form}, e.g. {}={example}", name.trim()))
     };
-    let above_zero = |dimension| match number(dimension)? {
-        value if value > 0.0 => Ok(value),
+    let above_zero = |dimension: Dimension, most: f64| match number(dimension)? {
+        value if value > 0.0 && value <= most => Ok(value),
+        value if value > most => {
+            let unit = dimension.unit();
+            let most = engineering(most, if unit == "1" { "" } else { &unit }, 3);
+            Err(format!("expected {form} up to {most}"))
+        }
         _ => Err(format!("expected {form} above zero")),
     };
     let bytes = || value.parse().map_err(|_| format!("expected {form}"));
     let kind = match name.trim() {
-        "late" => FaultKind::Late(above_zero(Dimension::TIME)?),
+        "late" => FaultKind::Late(above_zero(Dimension::TIME, MAX_DELAY)?),
         "cut" => FaultKind::Cut(bytes()?),
-        "garbled" => FaultKind::Garbled(above_zero(Dimension::NONE)?),
+        "garbled" => FaultKind::Garbled(above_zero(Dimension::NONE, 1.0)?),
         "missing" => FaultKind::Missing,
         "dropped" => FaultKind::Dropped(bytes()?),
         "identity" => FaultKind::Identity(value.to_owned()),
         "no-trigger" => FaultKind::NoTrigger,
-        "clipped" => FaultKind::Clipped(above_zero(Dimension::VOLTAGE)?),
-        "noisy" => FaultKind::Noisy(above_zero(Dimension::VOLTAGE)?),
+        "clipped" => FaultKind::Clipped(above_zero(Dimension::VOLTAGE, MAX_VOLTAGE)?),
+        "noisy" => FaultKind::Noisy(above_zero(Dimension::VOLTAGE, MAX_VOLTAGE)?),
         "drifting" => FaultKind::Drifting(number(Dimension::VOLTAGE_PER_TIME)?),
-        "second" => FaultKind::Second(above_zero(Dimension::TIME)?),
+        "second" => FaultKind::Second(above_zero(Dimension::TIME, MAX_DELAY)?),
         _ => FaultKind::Dead,
     };
     let channel = match channel.as_deref().map(|name| name.strip_prefix("CH")?.parse().ok()) {

@@ -26,6 +26,12 @@ pub fn sensitivities_unknown(channels: &[&str]) -> String {
 /// A pulse smaller than this share of the largest value is not counted (1).
 const MIN_PULSE_SHARE: f64 = 0.05;
 
+/// Samples on either side of the trigger over which the slope is taken there.
+const SLOPE_SAMPLES: f64 = 3.0;
+/// A change over these samples by this many standard deviations of noise is a slope: two samples
+/// differ by 1.4 of one (1).
+const MIN_SLOPE_DEVIATIONS: f64 = 5.0;
+
 /// Estimators that differ by more than this share of the speed are noted, where it is more than
 /// their uncertainties (1).
 const DIFFERENT_SPEEDS: f64 = 0.1;
@@ -120,8 +126,9 @@ pub fn survey(set: &TraceSet, shot: &Shot) -> Survey {
     let distances = metadata::distances(set);
     let mut notes = Vec::new();
     let scene = scene(set, shot, &distances, &mut notes);
-    let read: Vec<ReadChannel<'_>> =
+    let mut read: Vec<ReadChannel<'_>> =
         shot.captures.iter().map(|capture| ReadChannel::new(capture, &sensors)).collect();
+    count_from_trigger(&mut read);
     notes.extend(read.iter().flat_map(|channel| channel.notes(scene.as_ref())));
     notes.extend(unknown_facts(&read));
     let mut placed: Vec<PlacedPulse<'_>> = read.iter().filter_map(ReadChannel::placed).collect();
@@ -159,6 +166,42 @@ struct ReadChannel<'a> {
     sensor: Option<&'a RecordedSensor>,
     pulse: Option<Pulse>,
     is_over_time: bool,
+}
+
+/// Standard uncertainty of the time at which the trigger's level was crossed, and the half-width of
+/// its evenly distributed part (s), in a shot with these pulses.
+///
+/// The crossing lies within the sample interval before the record's zero, on average in its middle,
+/// but for the noise on the trigger's signal: noise over slope of the signal that is steepest there
+/// against its noise. Without any such signal the trigger is another one's, and the interval counts
+/// either way.
+pub(super) fn trigger_u<'p>(interval: f64, pulses: impl Iterator<Item = &'p Pulse>) -> (f64, f64) {
+    let jitter = |pulse: &Pulse| {
+        let signal = &pulse.signal;
+        let zero = (-signal.start / signal.interval).round();
+        let at = |index: f64| signal.values.get(index as usize).copied();
+        let change = (at(zero + SLOPE_SAMPLES - 1.0)? - at(zero - SLOPE_SAMPLES)?).abs();
+        let is_steep = zero >= SLOPE_SAMPLES && change > MIN_SLOPE_DEVIATIONS * pulse.noise;
+        let span = (2.0 * SLOPE_SAMPLES - 1.0) * signal.interval;
+        is_steep.then(|| pulse.noise * span / change)
+    };
+    match pulses.filter_map(jitter).reduce(f64::min) {
+        Some(jitter) => (jitter.hypot(interval / 12f64.sqrt()), 0.5 * interval),
+        None => (interval / 3f64.sqrt(), interval),
+    }
+}
+
+/// Counts arrivals from the crossing of the trigger's level instead of from the records' zero.
+fn count_from_trigger(read: &mut [ReadChannel<'_>]) {
+    let Some(interval) = read.iter().find_map(|c| Some(c.pulse.as_ref()?.signal.interval)) else {
+        return;
+    };
+    let (u, half_width) = trigger_u(interval, read.iter().filter_map(|c| c.pulse.as_ref()));
+    let arrivals = read.iter_mut().flat_map(|channel| &mut channel.arrivals.arrivals);
+    for time in arrivals.filter_map(|arrival| arrival.time_s.as_mut()) {
+        let value = time.value + 0.5 * interval;
+        *time = Uncertain { value, u: time.u.hypot(u), half_width };
+    }
 }
 
 /// A pulse and the place of its sensor.
@@ -354,17 +397,9 @@ fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArriva
         let half_width = (value.abs() * limit).max(height.half_width / sensitivity);
         Uncertain { value, u, half_width }
     });
-    // The signal crossed the trigger's level somewhere in the sample interval before the record's
-    // zero: on average half an interval before it, evenly distributed within that.
-    let half = 0.5 * capture.waveform.preamble.x_incr;
-    let after_trigger = |time: Uncertain| Uncertain {
-        value: time.value + half,
-        u: time.u.hypot(half / 3f64.sqrt()),
-        half_width: half,
-    };
     let arrival = |estimator: Estimator| Arrival {
         estimator: estimator.key(),
-        time_s: pulse.as_ref().and_then(|pulse| pulse.arrival(estimator)).map(after_trigger),
+        time_s: pulse.as_ref().and_then(|pulse| pulse.arrival(estimator)),
     };
     let channel = ChannelArrivals {
         channel: capture.waveform.source.to_string(),

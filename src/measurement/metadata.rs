@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use crate::analysis::dispersion::DiatomicChain;
-use crate::chain::Body;
 use crate::quantity::Uncertain;
 use crate::quantity::engineering;
 use crate::recording::TraceSet;
@@ -87,8 +86,18 @@ pub fn distances(set: &TraceSet) -> Vec<RecordedDistance> {
 /// there.
 pub fn scene(set: &TraceSet) -> Option<Result<Scene, SceneError>> {
     let attachment = set.attachments.iter().find(|a| a.media_type == "application/toml")?;
-    let text = String::from_utf8_lossy(&attachment.data);
     let name = attachment.name.strip_suffix(".toml").unwrap_or(&attachment.name);
+    attached_scene(set, name)
+}
+
+/// The attached scene `name`: the merged one, which needs no other file, or in recordings of older
+/// versions the scene as typed.
+fn attached_scene(set: &TraceSet, name: &str) -> Option<Result<Scene, SceneError>> {
+    let attachment = [".merged.toml", ".toml"].into_iter().find_map(|ending| {
+        let file = format!("{name}{ending}");
+        set.attachments.iter().find(|attachment| attachment.name == file)
+    })?;
+    let text = String::from_utf8_lossy(&attachment.data);
     Some(Scene::from_text(name, &attachment.name, &text))
 }
 
@@ -102,12 +111,9 @@ pub fn scene_of(set: &TraceSet, shot: u32) -> Option<Result<Scene, SceneError>> 
         return scene(set);
     };
     let name = facts.get("scene")?;
-    let file = format!("{name}.toml");
-    let attachment = set.attachments.iter().find(|attachment| attachment.name == file)?;
-    let text = String::from_utf8_lossy(&attachment.data);
     let knob = |key: &str| facts.get(key)?.parse().ok();
     let (mass, speed) = (knob("striker_mass_kg"), knob("striker_speed_m_s"));
-    match Scene::from_text(name, &file, &text) {
+    match attached_scene(set, name)? {
         Ok(scene) => Some(Ok(scene.altered(mass, speed, knob("magnet_force_n")).ok()?)),
         Err(error) => Some(Err(error)),
     }
@@ -262,16 +268,15 @@ pub fn mass_without_sensor(scene: &Scene, particle: usize) -> Option<f64> {
     let chain = &scene.chain;
     let body = |p: usize| chain.bodies().get(chain.body_of(p));
     let host = body(particle)?;
-    let is_bare = |p: usize| scene.sensors.iter().all(|s| s.site != Site::Particle(p));
-    let distance =
-        |(p, bare): &(usize, &Body)| ((bare.length / host.length).ln().abs(), p.abs_diff(particle));
-    let same_kind = (1..=chain.particles()).filter_map(|p| Some((p, body(p)?)));
-    let bare = same_kind.filter(|(p, bare)| bare.name == host.name && is_bare(*p));
-    let (_, bare) = bare.min_by(|a, b| {
-        let ((size_a, place_a), (size_b, place_b)) = (distance(a), distance(b));
-        size_a.total_cmp(&size_b).then(place_a.cmp(&place_b))
-    })?;
-    Some(bare.mass * (host.length / bare.length).powi(3))
+    let is_bare = |p: &usize| scene.sensors.iter().all(|s| s.site != Site::Particle(*p));
+    let candidate = |p: usize| {
+        let bare = body(p).filter(|bare| bare.name == host.name)?;
+        let ratio = host.length / bare.length;
+        Some((ratio.ln().abs(), p.abs_diff(particle), bare.mass * ratio.powi(3)))
+    };
+    let candidates = (1..=chain.particles()).filter(is_bare).filter_map(candidate);
+    let nearest = candidates.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    nearest.map(|(.., mass)| mass)
 }
 
 /// Every second contact of the periodic part of `scene`'s chain around `particle`, one a cell, from

@@ -1,19 +1,73 @@
-//! Which format a file is in, and opening whatever a user brings.
+//! Recognises file formats and opens them.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use super::isf::{self, IsfError};
-use super::mcap::indexed_recording::{IndexedRecording, ReadState};
-use super::mcap::{self, ReadError};
+use super::mcap::{IndexedRecording, ReadError, ShotNotes, Traffic};
 use super::set_file::{self, SetFile};
 use super::tek_csv::{self, TableColumns, TekCsvError};
-use super::{Attachment, Capture, Origin, Shot, TraceSet};
+use super::{Attachment, Capture, Origin, ScpiLine, Shot, TraceSet};
+use crate::scope::Source;
 
-/// Endings under which programs save tables; in folders, such files are notes as often.
-const TABLE_ENDINGS: [&str; 5] = ["txt", "tsv", "dat", "asc", "prn"];
+/// A format of files with the captures of one trigger. To add one, write its module and its row in
+/// [`FORMATS`].
+#[derive(Debug)]
+pub struct FileFormat {
+    /// Ending of the files that are written, in small letters.
+    pub ending: &'static str,
+    /// Endings under which programs save it as well; in folders, such files are often notes.
+    other_endings: &'static [&'static str],
+    /// Whether a scope saves a folder of such files for each trigger.
+    pub is_in_folders: bool,
+    media_type: &'static str,
+    /// Larger files are refused unread (bytes).
+    max_bytes: u64,
+    read: fn(&[u8], &str, &TableColumns) -> Result<Vec<Capture>, OpenError>,
+    /// Writes one capture as a whole file.
+    pub write: fn(&Capture) -> Result<Vec<u8>, OpenError>,
+}
 
-/// Largest recording that is read at once (bytes).
-const LARGEST_AT_ONCE: u64 = 32 * 1024 * 1024;
+/// The formats of files with captures.
+pub const FORMATS: [FileFormat; 2] = [
+    FileFormat {
+        ending: "csv",
+        other_endings: &["txt", "tsv", "dat", "asc", "prn"],
+        is_in_folders: true,
+        media_type: "text/csv",
+        max_bytes: tek_csv::MAXIMUM_BYTES as u64,
+        read: |bytes, name, columns| Ok(tek_csv::read_columns(bytes, name, columns)?),
+        write: |capture| Ok(tek_csv::write(capture)?.into_bytes()),
+    },
+    FileFormat {
+        ending: "isf",
+        other_endings: &[],
+        is_in_folders: false,
+        media_type: "application/octet-stream",
+        max_bytes: isf::MAXIMUM_BYTES as u64,
+        read: |bytes, name, _| Ok(vec![isf::read(bytes, name)?]),
+        write: |capture| Ok(isf::write(capture, isf::Width::One)?),
+    },
+];
+
+impl FileFormat {
+    /// The format of files with this ending.
+    pub fn by_ending(ending: &str) -> Option<&'static Self> {
+        FORMATS.iter().find(|format| format.ending.eq_ignore_ascii_case(ending))
+    }
+
+    /// The format that a file is read as.
+    fn of(path: &Path) -> Option<&'static Self> {
+        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+        let has = |format: &&Self| {
+            format.ending == ending || format.other_endings.contains(&ending.as_str())
+        };
+        FORMATS.iter().find(has)
+    }
+}
+
+/// Key of a shot's folder in the metadata `hertzscope:import/<shot>`.
+const FOLDER_KEY: &str = "folder";
 
 /// How the folders of a memory stick begin: `ALL0000`, one a trigger.
 const FOLDER: &str = "ALL";
@@ -23,10 +77,8 @@ const FOLDER: &str = "ALL";
 pub enum Format {
     /// This program's recordings.
     Mcap,
-    /// One channel of a TDS2000, or what other programs and models make of it.
-    TekCsv,
-    /// One channel as an instrument sends it.
-    Isf,
+    /// A file with captures, in one of [`FORMATS`].
+    File,
     /// A folder of such files, as the scope makes for one trigger (`ALL0000`), or a memory stick
     /// with several of these.
     Folder,
@@ -51,6 +103,18 @@ pub enum OpenError {
         file: PathBuf,
         /// The system's error.
         source: std::io::Error,
+    },
+    /// The file is larger than what is read.
+    #[error(
+        "{file}: {found} bytes are more than the {limit} that are read: cut the record, or save fewer points"
+    )]
+    TooLarge {
+        /// The file.
+        file: PathBuf,
+        /// Its size (bytes).
+        found: u64,
+        /// The largest size that is read (bytes).
+        limit: u64,
     },
     /// Nothing is there.
     #[error(
@@ -104,15 +168,177 @@ impl Format {
         let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
         match extension.as_deref() {
             Some("mcap") => Some(Self::Mcap),
-            Some("csv") => Some(Self::TekCsv),
-            Some("isf") => Some(Self::Isf),
+            Some(ending) if FileFormat::by_ending(ending).is_some() => Some(Self::File),
             _ if path.is_dir() => Some(Self::Folder),
             _ => None,
         }
     }
 }
 
-/// Opens a recording, a scope's CSV or ISF file, or a folder of them.
+/// The captures of files that other programs and instruments wrote.
+fn imported(path: &Path, columns: &TableColumns) -> Result<TraceSet, OpenError> {
+    match Format::of(path) {
+        Some(Format::Folder) => folder(path, columns),
+        None if !path.exists() => Err(OpenError::Missing { file: path.to_owned() }),
+        None if !path.is_file() || FileFormat::of(path).is_none() => {
+            Err(OpenError::UnknownFormat { file: path.to_owned() })
+        }
+        _ => {
+            let mut set = TraceSet::default();
+            add_shot(&mut set, &[path.to_owned()], "", columns)?;
+            Ok(set)
+        }
+    }
+}
+
+/// An open recording: what holds for all its shots, and a way to each of them, whatever its size.
+pub struct Recording {
+    /// Facts, and at most one shot: the one that was read last.
+    set: TraceSet,
+    shots: ShotStore,
+    /// Number and channels of each shot, in order of time.
+    index: Vec<(u32, Vec<Source>)>,
+    traffic: Traffic,
+}
+
+/// Where the shots of a recording are.
+enum ShotStore {
+    /// In memory, with the notes of each and the messages of the remote interface.
+    Memory(Vec<(Shot, Option<ShotNotes>)>, Vec<ScpiLine>),
+    /// In a file; the places are in order of time.
+    File(Box<IndexedRecording>, Vec<usize>),
+}
+
+impl Recording {
+    /// Opens a recording, a scope's file, or a folder of them; `columns` says what the columns of
+    /// tables are.
+    ///
+    /// # Errors
+    /// [`OpenError`] with the file and what is wrong with it.
+    pub fn open(path: &Path, columns: &TableColumns) -> Result<Self, OpenError> {
+        if Format::of(path) != Some(Format::Mcap) {
+            return Ok(imported(path, columns)?.into());
+        }
+        let mut file = IndexedRecording::open(path)?;
+        file.read_all()?;
+        let places = file.in_order_of_time();
+        let shots = places.iter().filter_map(|place| file.indexed(*place));
+        let index: Vec<(u32, Vec<Source>)> =
+            shots.map(|(number, channels)| (number, channels.to_vec())).collect();
+        let (mut set, traffic) = (file.facts(), file.traffic().clone());
+        let numbers: Vec<u32> = index.iter().map(|(number, _)| *number).collect();
+        link_folders(&mut set, &numbers);
+        Ok(Self { set, shots: ShotStore::File(Box::new(file), places), index, traffic })
+    }
+
+    /// Facts, attachments, log and problems; no shots but the one that was read last.
+    pub fn facts(&self) -> &TraceSet {
+        &self.set
+    }
+
+    /// The same, to note what the user says of the recording: every shot is read with it.
+    pub fn facts_mut(&mut self) -> &mut TraceSet {
+        &mut self.set
+    }
+
+    /// Messages of the remote interface.
+    pub fn traffic(&self) -> &Traffic {
+        &self.traffic
+    }
+
+    /// Number and channels of each shot, in order of time.
+    pub fn index(&self) -> &[(u32, Vec<Source>)] {
+        &self.index
+    }
+
+    /// Names of the channels of all shots.
+    pub fn channels(&self) -> BTreeSet<String> {
+        let sources = self.index.iter().flat_map(|(_, sources)| sources);
+        sources.map(ToString::to_string).collect()
+    }
+
+    /// Reads the shot at `place` of [`Self::index`] into the facts, in the place of the one before.
+    ///
+    /// # Errors
+    /// [`OpenError`] if the file cannot be read any more.
+    pub fn shot(&mut self, place: usize) -> Result<&mut TraceSet, OpenError> {
+        for shot in self.set.shots.drain(..) {
+            self.set.notes.remove(&shot.number);
+        }
+        let found = match &mut self.shots {
+            ShotStore::Memory(shots, _) => shots.get(place).cloned(),
+            ShotStore::File(file, places) => match places.get(place) {
+                Some(place) => {
+                    file.shot_and_notes(*place)?.map(|(shot, notes)| (shot, Some(notes)))
+                }
+                None => None,
+            },
+        };
+        if let Some((shot, notes)) = found {
+            self.set.notes.extend(notes.map(|notes| (shot.number, notes)));
+            self.set.shots.push(shot);
+        }
+        Ok(&mut self.set)
+    }
+
+    /// Messages of the remote interface from `from` to `to` (ns since 1970, both included).
+    ///
+    /// # Errors
+    /// [`OpenError`] if the file cannot be read any more.
+    pub fn lines(&mut self, from: u64, to: u64) -> Result<Vec<ScpiLine>, OpenError> {
+        match &mut self.shots {
+            ShotStore::Memory(_, lines) => {
+                let inside = lines.iter().filter(|line| (from..=to).contains(&line.timestamp_ns));
+                Ok(inside.cloned().collect())
+            }
+            ShotStore::File(file, _) => Ok(file.lines(from, to)?),
+        }
+    }
+
+    /// Reads everything into memory.
+    ///
+    /// # Errors
+    /// [`OpenError`] if the file cannot be read any more, or is too large.
+    pub fn into_set(self) -> Result<TraceSet, OpenError> {
+        let Self { mut set, shots, .. } = self;
+        for shot in set.shots.drain(..) {
+            set.notes.remove(&shot.number);
+        }
+        match shots {
+            ShotStore::Memory(shots, lines) => {
+                set.lines = lines;
+                for (shot, notes) in shots {
+                    set.notes.extend(notes.map(|notes| (shot.number, notes)));
+                    set.shots.push(shot);
+                }
+                Ok(set)
+            }
+            ShotStore::File(file, _) => {
+                let all = file.into_set()?;
+                Ok(TraceSet { metadata: set.metadata, attachments: set.attachments, ..all })
+            }
+        }
+    }
+}
+
+impl From<TraceSet> for Recording {
+    fn from(mut set: TraceSet) -> Self {
+        let lines = std::mem::take(&mut set.lines);
+        let mut traffic = Traffic::default();
+        lines.iter().for_each(|line| traffic.count(line));
+        let channels = |shot: &Shot| shot.captures.iter().map(|c| c.waveform.source).collect();
+        let index = set.shots.iter().map(|shot| (shot.number, channels(shot))).collect();
+        let notes = &mut set.notes;
+        let shots = set.shots.drain(..).map(|shot| {
+            let notes = notes.remove(&shot.number);
+            (shot, notes)
+        });
+        let shots = ShotStore::Memory(shots.collect(), lines);
+        Self { set, shots, index, traffic }
+    }
+}
+
+/// Opens a recording, a scope's CSV or ISF file, or a folder of them, and reads all of it.
 ///
 /// # Errors
 /// [`OpenError`] with the file and what is wrong with it.
@@ -125,95 +351,22 @@ pub fn open(path: &Path) -> Result<TraceSet, OpenError> {
 /// # Errors
 /// As [`open`].
 pub fn open_with(path: &Path, columns: &TableColumns) -> Result<TraceSet, OpenError> {
-    match Format::of(path) {
-        Some(Format::Mcap) => Ok(mcap::read(path)?),
-        Some(Format::TekCsv | Format::Isf) => {
-            let mut set = TraceSet::default();
-            import(&mut set, &[path.to_owned()], "", columns)?;
-            Ok(set)
-        }
-        Some(Format::Folder) => folder(path, columns),
-        None if path.is_file() && is_table(path) => {
-            let mut set = TraceSet::default();
-            import(&mut set, &[path.to_owned()], "", columns)?;
-            Ok(set)
-        }
-        None if path.exists() => Err(OpenError::UnknownFormat { file: path.to_owned() }),
-        None => Err(OpenError::Missing { file: path.to_owned() }),
-    }
+    Recording::open(path, columns)?.into_set()
 }
 
-fn is_table(path: &Path) -> bool {
-    let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
-    TABLE_ENDINGS.iter().any(|known| known.eq_ignore_ascii_case(ending))
-}
-
-/// The recording at `path`, to be read shot by shot, if it is too large to be read at once.
+/// As [`open_with`], with shot `number` only.
 ///
 /// # Errors
-/// [`OpenError`] where it cannot be read.
-pub fn open_large(path: &Path) -> Result<Option<IndexedRecording>, OpenError> {
-    let size = std::fs::metadata(path).map_or(0, |file| file.len());
-    if Format::of(path) != Some(Format::Mcap) || size <= LARGEST_AT_ONCE {
-        return Ok(None);
-    }
-    let mut recording = IndexedRecording::open(path)?;
-    while recording.read_on()? == ReadState::More {}
-    Ok(Some(recording))
-}
-
-/// Calls `act` with the shots of a file: with all at once or, of a recording that is too large for
-/// that, with each by itself.
-///
-/// # Errors
-/// Those of `act`, and [`OpenError`] where the file cannot be read.
-pub fn for_each_shot<E: From<OpenError>>(
-    path: &Path,
-    columns: &TableColumns,
-    mut act: impl FnMut(TraceSet) -> Result<(), E>,
-) -> Result<(), E> {
-    let Some(mut recording) = open_large(path)? else { return act(open_with(path, columns)?) };
-    let facts = recording.facts();
-    for place in 0..recording.shots() {
-        if let Some((shot, notes)) = recording.shot_and_notes(place).map_err(OpenError::from)? {
-            let mut set = facts.clone();
-            set.notes.insert(shot.number, notes);
-            set.shots.push(shot);
-            act(set)?;
-        }
-    }
-    Ok(())
-}
-
-/// The shot `number` of a large recording, which is not read at once; none of other files.
-///
-/// # Errors
-/// [`OpenError`] where it cannot be read or has no such shot.
-pub fn read_shot(path: &Path, number: u32) -> Result<Option<TraceSet>, OpenError> {
-    let Some(mut recording) = open_large(path)? else { return Ok(None) };
-    let found = match recording.place_of(number) {
-        Some(place) => recording.shot_and_notes(place)?,
-        None => None,
-    };
-    let Some((shot, notes)) = found else {
-        let shots = recording.shots();
+/// As [`open_with`], and if there is no such shot.
+pub fn open_shot(path: &Path, number: u32, columns: &TableColumns) -> Result<TraceSet, OpenError> {
+    let mut recording = Recording::open(path, columns)?;
+    let place = recording.index.iter().position(|(found, _)| *found == number);
+    let Some(place) = place else {
+        let shots = recording.index.len();
         return Err(OpenError::NoShot { file: path.to_owned(), shots, number });
     };
-    let mut set = recording.facts();
-    set.shots.push(shot);
-    set.notes.insert(number, notes);
-    Ok(Some(set))
-}
-
-/// As [`open`], where only shot `number` is looked at.
-///
-/// # Errors
-/// As [`open`]; also for a large recording without this shot.
-pub fn open_shot(path: &Path, number: u32) -> Result<TraceSet, OpenError> {
-    match read_shot(path, number)? {
-        Some(set) => Ok(set),
-        None => open(path),
-    }
+    recording.shot(place)?;
+    Ok(recording.set)
 }
 
 /// Contents of a folder, each list in order of names.
@@ -235,7 +388,7 @@ impl Content {
             if name.starts_with("._") {
                 continue;
             }
-            if matches!(Format::of(&file), Some(Format::TekCsv | Format::Isf)) {
+            if Format::of(&file) == Some(Format::File) {
                 content.files.push(file);
             } else if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("set")) {
                 content.set_ups.push(file);
@@ -254,7 +407,7 @@ fn folder(path: &Path, columns: &TableColumns) -> Result<TraceSet, OpenError> {
     let content = Content::of(path)?;
     let mut set = TraceSet::default();
     if content.shots.is_empty() {
-        trigger(&mut set, path, &content, "", columns)?;
+        add_folder(&mut set, path, &content, "", columns)?;
         return Ok(set);
     }
     let mut first = None;
@@ -262,8 +415,8 @@ fn folder(path: &Path, columns: &TableColumns) -> Result<TraceSet, OpenError> {
     for shot in &content.shots {
         let name = shot.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
         let prefix = if several { format!("{name}/") } else { String::new() };
-        let read =
-            Content::of(shot).and_then(|found| trigger(&mut set, shot, &found, &prefix, columns));
+        let read = Content::of(shot)
+            .and_then(|found| add_folder(&mut set, shot, &found, &prefix, columns));
         if let Err(error) = read {
             set.problems.push(error.to_string());
             first = first.or(Some(error));
@@ -282,7 +435,7 @@ fn folder(path: &Path, columns: &TableColumns) -> Result<TraceSet, OpenError> {
 }
 
 /// Adds the one shot of a folder.
-fn trigger(
+fn add_folder(
     set: &mut TraceSet,
     path: &Path,
     content: &Content,
@@ -292,10 +445,10 @@ fn trigger(
     if content.files.is_empty() {
         return Err(OpenError::EmptyFolder { file: path.to_owned() });
     }
-    import(set, &content.files, prefix, columns)?;
+    add_shot(set, &content.files, prefix, columns)?;
     match content.set_ups.as_slice() {
         [] => {}
-        [file] => complete(set, file, prefix)?,
+        [file] => apply_set_file(set, file, prefix)?,
         several => set.problems.push(format!(
             "{}: found {} .SET files and used none, expected one",
             path.display(),
@@ -305,9 +458,9 @@ fn trigger(
     Ok(())
 }
 
-/// Adds what the front panel's file tells of the last shot.
-fn complete(set: &mut TraceSet, file: &Path, prefix: &str) -> Result<(), OpenError> {
-    let bytes = read_limited(file, set_file::MAXIMUM_BYTES)?;
+/// Completes the last shot by the front panel's file.
+fn apply_set_file(set: &mut TraceSet, file: &Path, prefix: &str) -> Result<(), OpenError> {
+    let bytes = read_limited(file, set_file::MAXIMUM_BYTES as u64)?;
     match SetFile::read(&bytes, &file.display().to_string()) {
         Ok(set_up) => {
             let captures = set.shots.last_mut().into_iter().flat_map(|shot| &mut shot.captures);
@@ -321,13 +474,14 @@ fn complete(set: &mut TraceSet, file: &Path, prefix: &str) -> Result<(), OpenErr
 
 /// Adds one measured shot from the files of one trigger; each file travels along as it was. A file
 /// that cannot be read is named among the problems, and refused where there is no other.
-fn import(
+fn add_shot(
     set: &mut TraceSet,
     files: &[PathBuf],
     prefix: &str,
     columns: &TableColumns,
 ) -> Result<(), OpenError> {
     let mut captures: Vec<Capture> = Vec::new();
+    let (mut sensors, mut attachments) = (Vec::new(), Vec::new());
     let (mut first, mut saved) = (None, 0);
     for file in files {
         let (found, bytes, media_type) = match read(file, columns) {
@@ -340,7 +494,7 @@ fn import(
         for (source, label) in columns.labels(&found) {
             let facts = [("name", label), ("channel", source.to_string())];
             let facts = facts.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
-            set.metadata.insert(format!("hertzscope:sensor/{source}"), facts);
+            sensors.push((format!("hertzscope:sensor/{source}"), facts));
         }
         for capture in found {
             let source = capture.waveform.source;
@@ -351,7 +505,7 @@ fn import(
             captures.push(capture);
         }
         saved = saved.max(modified(file));
-        set.attachments.push(attachment(file, prefix, media_type, bytes));
+        attachments.push(attachment(file, prefix, media_type, bytes));
     }
     match first {
         Some(error) if captures.is_empty() => return Err(error),
@@ -361,8 +515,14 @@ fn import(
         None => {}
     }
     captures.sort_by_key(|capture| capture.waveform.source);
+    let number = u32::try_from(set.shots.len()).unwrap_or(u32::MAX).saturating_add(1);
+    set.metadata.extend(sensors);
+    set.attachments.extend(attachments);
+    if let Some(folder) = prefix.strip_suffix('/') {
+        link_folder(set, number, folder);
+    }
     set.shots.push(Shot {
-        number: u32::try_from(set.shots.len()).unwrap_or(u32::MAX).saturating_add(1),
+        number,
         origin: Origin::Measured,
         timestamp_ns: saved,
         captures,
@@ -377,18 +537,12 @@ fn read(
     file: &Path,
     columns: &TableColumns,
 ) -> Result<(Vec<Capture>, Vec<u8>, &'static str), OpenError> {
-    let name = file.display().to_string();
-    if Format::of(file) == Some(Format::Isf) {
-        let bytes = read_limited(file, isf::MAXIMUM_BYTES)?;
-        return Ok((vec![isf::read(&bytes, &name)?], bytes, "application/octet-stream"));
-    }
-    let size = std::fs::metadata(file).map(|found| found.len()).unwrap_or_default();
-    let limit = tek_csv::MAXIMUM_BYTES as u64;
-    if size > limit {
-        return Err(TekCsvError::TooLarge { file: name, found: size, limit }.into());
-    }
-    let bytes = read_limited(file, tek_csv::MAXIMUM_BYTES)?;
-    Ok((tek_csv::read_columns(&bytes, &name, columns)?, bytes, "text/csv"))
+    let Some(format) = FileFormat::of(file) else {
+        return Err(OpenError::UnknownFormat { file: file.to_owned() });
+    };
+    let bytes = read_limited(file, format.max_bytes)?;
+    let captures = (format.read)(&bytes, &file.display().to_string(), columns)?;
+    Ok((captures, bytes, format.media_type))
 }
 
 /// When a file was last written, nanoseconds since 1970; 0 where the system does not tell.
@@ -403,32 +557,53 @@ fn attachment(file: &Path, prefix: &str, media_type: &str, data: Vec<u8>) -> Att
     Attachment { name: format!("{prefix}{name}"), media_type: media_type.to_owned(), data }
 }
 
-/// The `.SET` file that was imported with a shot.
-pub fn set_up_of(set: &TraceSet, shot: u32) -> Option<&Attachment> {
-    let is_set_up = |name: &str| name.to_ascii_uppercase().ends_with(".SET");
-    let set_ups = || set.attachments.iter().filter(|a| is_set_up(&a.name));
-    if set.shots.len() == 1 {
-        let mut all = set_ups();
-        return all.next().filter(|_| all.next().is_none());
-    }
-    let mut folders: Vec<&str> =
-        set.attachments.iter().filter_map(|a| Some(a.name.split_once('/')?.0)).collect();
-    folders.dedup();
-    let folder = folders.get(usize::try_from(shot).ok()?.checked_sub(1)?)?;
-    set_ups().find(|a| a.name.split_once('/').is_some_and(|(found, _)| found == *folder))
+/// Notes that shot `number` was imported from `folder`.
+fn link_folder(set: &mut TraceSet, number: u32, folder: &str) {
+    let facts = BTreeMap::from([(FOLDER_KEY.to_owned(), folder.to_owned())]);
+    set.metadata.insert(format!("hertzscope:import/{number}"), facts);
 }
 
-/// The file's bytes, at most one more than the reader takes, so that it can refuse what is too
-/// large.
-fn read_limited(file: &Path, most: usize) -> Result<Vec<u8>, OpenError> {
+/// Links the shots of a recording that an earlier version imported to their folders: the n-th shot
+/// to the n-th folder, if there are as many of both.
+fn link_folders(set: &mut TraceSet, shots: &[u32]) {
+    if set.metadata.keys().any(|name| name.starts_with("hertzscope:import/")) {
+        return;
+    }
+    let names = set.attachments.iter().filter_map(|a| Some(a.name.split_once('/')?.0.to_owned()));
+    let mut folders: Vec<String> = names.filter(|name| name.starts_with(FOLDER)).collect();
+    folders.dedup();
+    if folders.len() == shots.len() {
+        for (number, folder) in (1..).zip(&folders) {
+            link_folder(set, number, folder);
+        }
+    }
+}
+
+/// The `.SET` file that was imported with a shot.
+pub fn set_up_of(set: &TraceSet, shot: u32) -> Option<&Attachment> {
+    let link = set.metadata.get(&format!("hertzscope:import/{shot}"));
+    let folder = link.and_then(|facts| facts.get(FOLDER_KEY)).map_or("", String::as_str);
+    let mut found = set.attachments.iter().filter(|attachment| {
+        let (before, name) = attachment.name.split_once('/').unwrap_or(("", &attachment.name));
+        before == folder && name.to_ascii_uppercase().ends_with(".SET")
+    });
+    found.next().filter(|_| found.next().is_none())
+}
+
+/// The bytes of a file that has at most `limit`.
+fn read_limited(file: &Path, limit: u64) -> Result<Vec<u8>, OpenError> {
     use std::io::Read as _;
     let failed = |source| OpenError::File { file: file.to_owned(), source };
+    let opened = std::fs::File::open(file).map_err(failed)?;
+    // A device or a pipe tells no size: one byte more than the limit is read.
+    let mut found = opened.metadata().map_err(failed)?.len();
     let mut bytes = Vec::new();
-    let limit = most as u64 + 1;
-    std::fs::File::open(file)
-        .map_err(failed)?
-        .take(limit)
-        .read_to_end(&mut bytes)
-        .map_err(failed)?;
+    if found <= limit {
+        opened.take(limit + 1).read_to_end(&mut bytes).map_err(failed)?;
+        found = bytes.len() as u64;
+    }
+    if found > limit {
+        return Err(OpenError::TooLarge { file: file.to_owned(), found, limit });
+    }
     Ok(bytes)
 }

@@ -7,6 +7,7 @@
 use std::collections::BTreeMap;
 
 mod command_text;
+mod finite;
 pub mod format;
 pub mod isf;
 pub mod mcap;

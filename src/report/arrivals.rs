@@ -1,9 +1,12 @@
 //! Arrivals and speeds as a page of text.
 
-use super::number::with_expanded;
+use super::plot::{Plot, Sheet, trace_points};
 use super::table;
+use super::table::with_expanded;
 use crate::measurement::arrivals::{ChannelArrivals, SpeedBetween, Survey};
 use crate::quantity::{Uncertain, engineering};
+use crate::recording::{Capture, Shot};
+use crate::trace::Trace;
 
 /// The page that `arrivals` prints.
 pub fn arrivals(survey: &Survey) -> String {
@@ -22,8 +25,7 @@ pub fn arrivals(survey: &Survey) -> String {
         "10 %",
         "max. slope",
     ];
-    let mut rows = vec![heading.map(str::to_owned).to_vec()];
-    rows.extend(survey.channels.iter().map(row));
+    let rows = table::titled(heading, survey.channels.iter().map(row));
     lines.extend(table::lines(&rows, &[0, 1]));
     if !survey.speeds.is_empty() {
         lines.push(String::new());
@@ -53,6 +55,24 @@ pub fn arrivals(survey: &Survey) -> String {
     }
     lines.extend(survey.notes.iter().map(|note| format!("  note  {note}")));
     lines.join("\n")
+}
+
+/// The traces of a shot with their arrivals by half-rise and first peak, as a picture.
+pub fn arrivals_picture(survey: &Survey, shot: &Shot, title: &str) -> Sheet {
+    let panel = |trace: Trace| {
+        let found = survey.channels.iter().find(|channel| channel.channel == trace.name);
+        let arrivals = found.into_iter().flat_map(|channel| &channel.arrivals);
+        let shown = arrivals.filter(|arrival| ["half_rise", "peak"].contains(&arrival.estimator));
+        let marks = shown.filter_map(|arrival| {
+            let time = arrival.time_s?;
+            let name = arrival.estimator.replace('_', " ");
+            Some((time.value, format!("{name}: {}", with(Some(time), "s"))))
+        });
+        Plot::over_time([&trace.name, "V"], trace_points(&trace), Vec::new())
+            .with_marks(marks.collect())
+    };
+    let traces = shot.captures.iter().filter_map(Capture::trace);
+    Sheet::stack(title, traces.map(panel).collect())
 }
 
 fn row(channel: &ChannelArrivals) -> Vec<String> {

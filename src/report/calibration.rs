@@ -1,7 +1,7 @@
 //! A calibration as a page of text, as a certificate, and as pictures of its impacts.
 
-use super::number::with_expanded;
 use super::table;
+use super::table::with_expanded;
 use crate::calibrate::{CalibrationReport, ImpactResult};
 use crate::quantity::engineering;
 
@@ -138,9 +138,7 @@ pub(super) fn impact_rows(report: &CalibrationReport) -> Vec<Vec<String>> {
             number(impact.naive, "V/N", 4),
         ]
     };
-    std::iter::once(heading.map(str::to_owned).to_vec())
-        .chain(report.result.impacts.iter().map(row))
-        .collect()
+    table::titled(heading, report.result.impacts.iter().map(row))
 }
 
 /// The budget, small shares of impacts' own inputs put together.

@@ -37,22 +37,24 @@ pub fn design_page(
         ),
     ];
     let heading = ["striker", "mass", "heights", "V/div", "s/div", "peak force", "contact", "U95"];
-    let mut rows = vec![heading.map(str::to_owned).to_vec()];
-    rows.extend(candidates.iter().take(SHOWN_DESIGNS).map(|candidate| {
-        let height = |share: f64| {
-            engineering(share * candidate.height_m, "m", 3).trim_end_matches(" mm").to_owned()
-        };
-        vec![
-            candidate.striker.clone(),
-            engineering(candidate.mass_kg * 1e3, "g", 4),
-            format!("{}, {}, {} mm", height(1.0), height(0.5), height(0.25)),
-            engineering(candidate.volts_per_div, "V", 3),
-            engineering(candidate.seconds_per_div, "s", 3),
-            engineering(candidate.peak_force_n, "N", 3),
-            engineering(candidate.contact_s, "s", 3),
-            candidate.expanded.map_or("-".to_owned(), |u| format!("{:.2} %", 100.0 * u)),
-        ]
-    }));
+    let rows = table::titled(
+        heading,
+        candidates.iter().take(SHOWN_DESIGNS).map(|candidate| {
+            let height = |share: f64| {
+                engineering(share * candidate.height_m, "m", 3).trim_end_matches(" mm").to_owned()
+            };
+            vec![
+                candidate.striker.clone(),
+                engineering(candidate.mass_kg * 1e3, "g", 4),
+                format!("{}, {}, {} mm", height(1.0), height(0.5), height(0.25)),
+                engineering(candidate.volts_per_div, "V", 3),
+                engineering(candidate.seconds_per_div, "s", 3),
+                engineering(candidate.peak_force_n, "N", 3),
+                engineering(candidate.contact_s, "s", 3),
+                candidate.expanded.map_or("-".to_owned(), |u| format!("{:.2} %", 100.0 * u)),
+            ]
+        }),
+    );
     lines.extend(table::lines(&rows, &[0]));
     if candidates.len() > SHOWN_DESIGNS {
         lines.push(format!("  ... and {} more, in --json", candidates.len() - SHOWN_DESIGNS));

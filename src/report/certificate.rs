@@ -1,9 +1,8 @@
 //! A calibration's certificate, contents as in ISO/IEC 17025, 7.8, and pictures of its impacts.
 
 use super::calibration::{budget_rows, exclusions, impact_rows, or_not_stated, results};
-use super::chart::{Under, chart, chart_over};
-use super::document::{Part, html, markdown};
-use super::plot::{Curve, Label};
+use super::page::{Part, html, markdown};
+use super::plot::{Plot, Series, Sheet, trace_points};
 use crate::calibrate::{CalibrationReport, ImpactResult};
 use crate::quantity::engineering;
 
@@ -13,13 +12,13 @@ const ZERO_CELSIUS: f64 = 273.15;
 /// A certificate: contents as in ISO/IEC 17025, 7.8.
 struct Certificate<'a> {
     report: &'a CalibrationReport,
-    pictures: &'a [(String, String)],
+    pictures: &'a [(String, Sheet)],
 }
 
 impl Certificate<'_> {
     fn parts(&self) -> Vec<Part> {
         let report = self.report;
-        let table = |rows: Vec<Vec<String>>| Part::Table(rows);
+        let table = |rows: Vec<Vec<String>>| Part::Table(rows, &[]);
         let pair = |[what, text]: &[String; 2]| vec![what.clone(), text.clone()];
         let heading = |text: &str| Part::Heading(2, text.to_owned());
         let titled = |first: &str, second: &str| vec![first.to_owned(), second.to_owned()];
@@ -37,14 +36,14 @@ impl Certificate<'_> {
         ];
         let left_out = exclusions(report);
         if !left_out.is_empty() {
-            parts.push(Part::List(left_out));
+            parts.push(Part::List("left out", left_out));
         }
         parts.push(heading("Uncertainty budget"));
         parts.push(table(budget_rows(report)));
         parts.push(Part::Paragraph("Inputs that impacts share, such as gain, time constant and a striker's mass, are one input each and do not average out. All inputs, the smaller ones too, stand in calibration.json.".to_owned()));
         if !report.result.notes.is_empty() {
             parts.push(heading("Notes"));
-            parts.push(Part::List(report.result.notes.clone()));
+            parts.push(Part::List("note", report.result.notes.clone()));
         }
         parts.push(heading("Recordings"));
         let head = ["", "recording", "SHA-256", "channel", "range", "time base", "instrument"];
@@ -61,8 +60,8 @@ impl Certificate<'_> {
             ]
         });
         parts.push(table(std::iter::once(head.map(str::to_owned).to_vec()).chain(rows).collect()));
-        for (number, (file, svg)) in (1..).zip(self.pictures) {
-            parts.push(Part::Picture(file.clone(), format!("Impact {number}"), svg.clone()));
+        for (number, (file, sheet)) in (1..).zip(self.pictures) {
+            parts.push(Part::Picture(file.clone(), format!("Impact {number}"), sheet.clone()));
         }
         parts
     }
@@ -74,6 +73,8 @@ impl Certificate<'_> {
         } else {
             "sensor alone; the scope's gain is an input of the budget"
         };
+        let ohm = |value: f64| engineering(value, "Ohm", 3);
+        let farad = |value: f64| engineering(value, "F", 3);
         let celsius = |kelvin: f64| format!("{:.1} °C", kelvin - ZERO_CELSIUS);
         let texts = [
             ("item", report.named.item.clone()),
@@ -93,8 +94,8 @@ impl Certificate<'_> {
                     }
                     None => format!(
                         "{} and {} at the scope's input",
-                        engineering(report.input_resistance_ohm.unwrap_or(f64::NAN), "Ohm", 3),
-                        engineering(report.input_capacitance_f.unwrap_or(f64::NAN), "F", 3)
+                        or_not_stated(report.input_resistance_ohm.map(ohm).as_ref()),
+                        or_not_stated(report.input_capacitance_f.map(farad).as_ref())
                     ),
                 },
             ),
@@ -107,14 +108,14 @@ impl Certificate<'_> {
 }
 
 /// The certificate as Markdown and as HTML; `pictures` are file names and contents, one an impact.
-pub fn certificate(report: &CalibrationReport, pictures: &[(String, String)]) -> (String, String) {
+pub fn certificate(report: &CalibrationReport, pictures: &[(String, Sheet)]) -> (String, String) {
     let parts = Certificate { report, pictures }.parts();
     (markdown(&parts), html(&report.named.title, &parts))
 }
 
-/// Pictures of all impacts: the force, and below it the force by the voltage alone; file names and
+/// Pictures of all impacts: the force, and behind it the force by the voltage alone; file names and
 /// contents.
-pub fn pictures(report: &CalibrationReport) -> Vec<(String, String)> {
+pub fn pictures(report: &CalibrationReport) -> Vec<(String, Sheet)> {
     let found = &report.result;
     let picture = |result: &ImpactResult| {
         let name = format!("impact-{}.svg", result.number);
@@ -122,27 +123,18 @@ pub fn pictures(report: &CalibrationReport) -> Vec<(String, String)> {
         let why = why.map_or(String::new(), |why| format!(" (left out: {why})"));
         let title = format!("Impact {}, {}{why}", result.number, result.striker);
         let Some(impact) = &result.impact else {
-            let empty = Curve {
-                points: vec![],
-                marks: vec![],
-                x: Label::new("", ""),
-                y: Label::new("not readable", ""),
-            };
-            return (name, chart(&empty, &title));
+            let empty = Plot::fitted(["", ""], ["not readable", ""], Vec::new());
+            return (name, Sheet::stack(title, vec![empty]));
         };
         let points = |trace: &crate::trace::Trace| -> Vec<(f64, f64)> {
-            let values = trace.values.iter().enumerate();
-            values.map(|(i, v)| (trace.time(i), v / found.sensitivity)).collect()
+            let newtons = |(time, volts)| (time, volts / found.sensitivity);
+            trace_points(trace).into_iter().map(newtons).collect()
         };
         let [from, to] = impact.window;
-        let curve = Curve {
-            points: points(&impact.restored),
-            marks: vec![(from, "from".to_owned()), (to, "to".to_owned())],
-            x: Label::new("time after the trigger", "s"),
-            y: Label::new("force", "N"),
-        };
-        let under = Under::new("voltage over S", vec![points(&impact.signal)]);
-        (name, chart_over(&curve, &[under], &title))
+        let behind = Series::behind("voltage over S", points(&impact.signal));
+        let plot = Plot::over_time(["force", "N"], points(&impact.restored), vec![behind])
+            .with_marks(vec![(from, "from".to_owned()), (to, "to".to_owned())]);
+        (name, Sheet::stack(title, vec![plot]))
     };
     found.impacts.iter().map(picture).collect()
 }

@@ -1,16 +1,14 @@
-//! A comparison as a page of text, as a document with pictures, and as facts of a recording.
+//! A comparison as a page, and as facts of a recording.
 
 use std::collections::BTreeMap;
 
-use super::chart::{Under, chart, chart_over};
-use super::document::Part;
-use super::plot::{Curve, Label};
+use super::page::Part;
+use super::plot::{Plot, Series, Sheet, trace_points};
 use super::table;
 use crate::measurement::compare::mapping::ASSUMED;
 use crate::measurement::compare::{ChannelScore, Compared, Comparison};
 use crate::numeric::intervals::NORMAL_95;
 use crate::quantity::{Uncertain, engineering};
-use crate::trace::Trace;
 
 fn signed(value: f64, unit: &str, digits: usize) -> String {
     let sign = if value >= 0.0 { "+" } else { "" };
@@ -46,8 +44,7 @@ fn rows(comparison: &Comparison) -> Vec<Vec<String>> {
             or_dash(c.spectrum_distance.map(|d| format!("{:.2} %", 100.0 * d))),
         ]
     };
-    let heading = std::iter::once(heading.map(str::to_owned).to_vec());
-    heading.chain(comparison.channels.iter().map(row)).collect()
+    table::titled(heading, comparison.channels.iter().map(row))
 }
 
 fn residual_rows(comparison: &Comparison) -> Vec<Vec<String>> {
@@ -65,23 +62,24 @@ fn residual_rows(comparison: &Comparison) -> Vec<Vec<String>> {
             c.samples.to_string(),
         ]
     };
-    let heading = std::iter::once(heading.map(str::to_owned).to_vec());
-    heading.chain(comparison.channels.iter().map(row)).collect()
+    table::titled(heading, comparison.channels.iter().map(row))
 }
 
 fn speed_rows(comparison: &Comparison) -> Vec<Vec<String>> {
     let heading = ["", "estimator", "measured", "simulated", "error"];
-    let mut rows = vec![heading.map(str::to_owned).to_vec()];
-    rows.extend(comparison.speeds.iter().map(|s| {
-        let speed = |u: Uncertain| format!("{:.2} ± {:.2} m/s", u.value, u.expanded());
-        vec![
-            format!("{} -> {}", s.from, s.to),
-            s.estimator.replace('_', "-"),
-            speed(s.measured_m_per_s),
-            speed(s.simulated_m_per_s),
-            share(s.error),
-        ]
-    }));
+    let rows = table::titled(
+        heading,
+        comparison.speeds.iter().map(|s| {
+            let speed = |u: Uncertain| format!("{:.2} ± {:.2} m/s", u.value, u.expanded());
+            vec![
+                format!("{} -> {}", s.from, s.to),
+                s.estimator.replace('_', "-"),
+                speed(s.measured_m_per_s),
+                speed(s.simulated_m_per_s),
+                share(s.error),
+            ]
+        }),
+    );
     rows
 }
 
@@ -124,73 +122,35 @@ fn mapping(comparison: &Comparison) -> Vec<String> {
         .collect()
 }
 
-/// The page that `compare` prints.
-pub fn comparison(comparison: &Comparison) -> String {
-    let mut lines = vec![
-        format!("{} against {}", comparison.measured, comparison.simulated),
-        format!("  {}", alignment(comparison)),
-        String::new(),
-        "measured over simulated; ± is the expanded uncertainty (95 %)".to_owned(),
-    ];
-    lines.extend(table::lines(&rows(comparison), &[0, 1]));
-    lines.push(String::new());
-    lines.push("measured minus simulated".to_owned());
-    lines.extend(table::lines(&residual_rows(comparison), &[0]));
-    if !comparison.speeds.is_empty() {
-        lines.push(String::new());
-        lines.push("speed between sensors".to_owned());
-        lines.extend(table::lines(&speed_rows(comparison), &[0, 1]));
-    }
-    lines.push(String::new());
-    lines.push(format!("verdict  {}", verdict(comparison)));
-    lines.extend(comparison.failures.iter().map(|failure| format!("  beyond  {failure}")));
-    lines.extend(mapping(comparison).iter().map(|note| format!("  note  {note}")));
-    lines.join("\n")
-}
-
-fn curve(trace: &Trace, name: &str) -> Curve {
-    let points = trace.values.iter().enumerate().map(|(i, v)| (trace.time(i), *v)).collect();
-    Curve {
-        points,
-        marks: Vec::new(),
-        x: Label::new("time after the trigger", "s"),
-        y: Label::new(name, "V"),
-    }
-}
-
-/// The comparison as a document; pictures are called `<stem>-CH1.svg` and
-/// `<stem>-CH1-difference.svg`.
-pub fn comparison_parts(compared: &Compared, stem: &str) -> Vec<Part> {
+/// The comparison as a page; pictures are called `<stem>-CH1.svg` and `<stem>-CH1-difference.svg`.
+pub fn comparison_page(compared: &Compared, stem: &str) -> Vec<Part> {
     let comparison = &compared.comparison;
     let mut parts = vec![
         Part::Heading(1, format!("{} against {}", comparison.measured, comparison.simulated)),
-        Part::Paragraph(format!("Verdict: {}.", verdict(comparison))),
-        Part::List(comparison.failures.clone()),
-        Part::Paragraph(format!("Traces are {}.", alignment(comparison))),
-        Part::Heading(2, "Measured over simulated".to_owned()),
-        Part::Table(rows(comparison)),
-        Part::Heading(2, "Measured minus simulated".to_owned()),
-        Part::Table(residual_rows(comparison)),
+        Part::Paragraph(alignment(comparison)),
     ];
-    if !comparison.speeds.is_empty() {
-        parts.push(Part::Heading(2, "Speed between sensors".to_owned()));
-        parts.push(Part::Table(speed_rows(comparison)));
-    }
+    let title = "measured over simulated; ± is the expanded uncertainty (95 %)";
+    parts.extend(Part::section(title, rows(comparison), &[0, 1]));
+    parts.extend(Part::section("measured minus simulated", residual_rows(comparison), &[0]));
+    parts.extend(Part::section("speed between sensors", speed_rows(comparison), &[0, 1]));
+    parts.push(Part::Fact("verdict", verdict(comparison)));
+    parts.push(Part::List("beyond", comparison.failures.clone()));
     for (score, pair) in comparison.channels.iter().zip(&compared.pairs) {
         let name = &score.name;
-        let under: Vec<(f64, f64)> = curve(&pair.simulated, "").points;
         let title = format!("{name}: measured and simulated");
-        let under = Under::new("simulated", vec![under]);
-        let both = chart_over(&curve(&pair.measured, "voltage"), &[under], &title);
-        let residual = curve(&pair.residual(), "measured minus simulated");
-        let apart = chart(&residual, &format!("{name}: difference"));
-        parts.push(Part::Heading(2, name.clone()));
-        parts.push(Part::Picture(format!("{stem}-{name}.svg"), title, both));
+        let simulated = Series::behind("simulated", trace_points(&pair.simulated));
+        let measured = trace_points(&pair.measured);
+        let measured_name = format!("{name}, measured");
+        let both = Plot::over_time([&measured_name, "V"], measured, vec![simulated]);
+        let both = Sheet::stack(title.as_str(), vec![both]);
+        let residual = trace_points(&pair.residual());
         let shown = format!("{name}: measured minus simulated");
+        let apart = Plot::over_time([&shown, "V"], residual, Vec::new());
+        let apart = Sheet::stack(format!("{name}: difference"), vec![apart]);
+        parts.push(Part::Picture(format!("{stem}-{name}.svg"), title, both));
         parts.push(Part::Picture(format!("{stem}-{name}-difference.svg"), shown, apart));
     }
-    parts.push(Part::Heading(2, "Notes".to_owned()));
-    parts.push(Part::List(mapping(comparison)));
+    parts.push(Part::List("note", mapping(comparison)));
     parts
 }
 

@@ -3,25 +3,15 @@
 use super::table;
 use super::text::hanging_indent;
 use crate::quantity::engineering;
-use crate::recording::mcap::indexed_recording::Traffic;
+use crate::recording::mcap::Traffic;
 use crate::recording::{Capture, Origin, Shot, TraceSet};
+use crate::scope::Source;
 
 /// A number with more characters than this is rounded where people read it.
 const MAX_NUMBER_WIDTH: usize = 8;
 
-/// Values stand in a column beside keys of at most this width (characters).
+/// Values are aligned after keys of at most this width (characters).
 const MAX_KEY_WIDTH: usize = 40;
-
-/// The page that `info` prints.
-pub fn contents(set: &TraceSet) -> String {
-    let mut traffic = Traffic::default();
-    set.lines.iter().for_each(|line| traffic.count(line));
-    let mut parts = vec![contents_before(set)];
-    parts.extend(set.shots.iter().map(contents_of));
-    parts.push(contents_after(set, &traffic));
-    parts.retain(|part| !part.is_empty());
-    parts.join("\n").trim_end().to_owned()
-}
 
 /// The page's part before the shots, for recordings that are read shot by shot.
 pub fn contents_before(set: &TraceSet) -> String {
@@ -106,21 +96,41 @@ fn shot_lines(shot: &Shot) -> Vec<String> {
         "highest",
         "clipped",
     ];
-    let mut rows = vec![heading.map(str::to_owned).to_vec()];
-    rows.extend(shot.captures.iter().map(capture_row));
+    let rows = table::titled(heading, shot.captures.iter().map(capture_row));
     let mut lines = vec![format!("shot {}, {origin}", shot.number)];
     lines.extend(table::lines(&rows, &[0]));
     if shot.origin == Origin::Measured && shot.timestamp_ns > 0 {
-        lines.push(format!("  dated {}, by the file", utc(shot.timestamp_ns)));
+        lines.push(format!("  date of the file: {}", utc(shot.timestamp_ns)));
     }
-    for capture in &shot.captures {
-        let source = capture.waveform.source;
-        lines.extend(capture.notes.iter().map(|note| format!("  {source}: {note}")));
-    }
+    lines.extend(notes(shot));
     if !shot.truth.is_empty() {
         lines.push(format!("  and {} simulated signals (true forces, motion)", shot.truth.len()));
     }
     lines
+}
+
+/// The notes on all captures, each once with the channels that it concerns.
+fn notes(shot: &Shot) -> Vec<String> {
+    let mut notes: Vec<(&String, Vec<Source>)> = Vec::new();
+    for capture in &shot.captures {
+        let source = capture.waveform.source;
+        for note in &capture.notes {
+            match notes.iter_mut().find(|(known, _)| *known == note) {
+                Some((_, sources)) => sources.push(source),
+                None => notes.push((note, vec![source])),
+            }
+        }
+    }
+    notes.into_iter().map(|(note, sources)| format!("  {}: {note}", listed(&sources))).collect()
+}
+
+/// `CH1`, `CH1, CH3`, or `CH1 to CH4`.
+fn listed(sources: &[Source]) -> String {
+    let follows = |pair: &[Source]| matches!(pair, [Source::Channel(a), Source::Channel(b)] if a.checked_add(1) == Some(*b));
+    match sources {
+        [first, _, .., last] if sources.windows(2).all(follows) => format!("{first} to {last}"),
+        _ => sources.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "),
+    }
 }
 
 fn capture_row(capture: &Capture) -> Vec<String> {
@@ -164,6 +174,18 @@ fn utc(nanoseconds: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn channels_in_a_row_are_listed_by_their_ends() {
+        let channels = |numbers: &[u8]| {
+            listed(&numbers.iter().map(|number| Source::Channel(*number)).collect::<Vec<_>>())
+        };
+        assert_eq!(channels(&[2]), "CH2");
+        assert_eq!(channels(&[1, 2]), "CH1, CH2");
+        assert_eq!(channels(&[1, 2, 3, 4]), "CH1 to CH4");
+        assert_eq!(channels(&[1, 2, 4]), "CH1, CH2, CH4");
+        assert_eq!(listed(&[Source::Channel(1), Source::Math]), "CH1, MATH");
+    }
 
     #[test]
     fn days_of_the_calendar() {

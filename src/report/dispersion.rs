@@ -3,8 +3,11 @@
 
 use std::f64::consts::PI;
 
-use super::plot::{Curve, Label, PointSet, braille, scatter};
-use super::{chart, table};
+use serde::{Serialize, Serializer};
+
+use super::plot::{Plot, Series, Sheet, Stroke, terminal};
+use super::spectrum::band_edges;
+use super::table;
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::wavenumber::{SpectralLine, SpectralLines};
 use crate::quantity::engineering;
@@ -27,6 +30,56 @@ pub struct DispersionPage {
     pub cells: usize,
 }
 
+impl Serialize for DispersionPage {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct Line {
+            frequency_hz: f64,
+            phase_rad: f64,
+            wavenumber_per_m: f64,
+            height: f64,
+            onward: bool,
+            theory_hz: f64,
+        }
+        #[derive(Serialize)]
+        struct Fields<'a> {
+            title: &'a str,
+            preload_n: f64,
+            cell_m: f64,
+            cells: usize,
+            #[serde(flatten, serialize_with = "band_edges")]
+            chain: Option<DiatomicChain>,
+            frequency_resolution_hz: f64,
+            phase_resolution_rad: f64,
+            lines: Vec<Line>,
+            acoustic: Vec<(f64, f64)>,
+            optical: Vec<(f64, f64)>,
+        }
+        let line = |line: &SpectralLine| Line {
+            frequency_hz: line.frequency,
+            phase_rad: line.phase,
+            wavenumber_per_m: line.phase / self.chain.cell,
+            height: line.height,
+            onward: line.onward,
+            theory_hz: self.theory(line),
+        };
+        let [acoustic, optical] = self.branches();
+        Fields {
+            title: &self.title,
+            preload_n: self.preload,
+            cell_m: self.chain.cell,
+            cells: self.cells,
+            chain: Some(self.chain),
+            frequency_resolution_hz: self.found.frequency_resolution,
+            phase_resolution_rad: self.found.phase_resolution,
+            lines: self.found.lines.iter().map(line).collect(),
+            acoustic,
+            optical,
+        }
+        .serialize(serializer)
+    }
+}
+
 impl DispersionPage {
     /// Phase a cell (rad) and frequency (Hz) along the acoustic and the optical branch.
     pub fn branches(&self) -> [Vec<(f64, f64)>; 2] {
@@ -44,20 +97,22 @@ impl DispersionPage {
         if off(&branches[0]) <= off(&branches[1]) { branches[0] } else { branches[1] }
     }
 
-    fn clouds(&self) -> [PointSet<'static>; 2] {
-        let of = |onward: bool| {
+    /// The branches with the waves found on them.
+    pub fn plot(&self) -> Plot {
+        let waves = |name: &str, onward: bool, colour| {
             let lines = self.found.lines.iter().filter(|line| line.onward == onward);
-            lines.map(|line| (line.phase, line.frequency)).collect()
+            let points = lines.map(|line| (line.phase, line.frequency)).collect();
+            Series::new(name, points, colour, Stroke::Dots)
         };
-        [
-            PointSet { points: of(true), name: "travelling forward", colour: "#c04020" },
-            PointSet { points: of(false), name: "travelling backward", colour: "#208040" },
-        ]
+        let mut lines: Vec<Series> = self.branches().map(Series::main).into();
+        lines.push(waves("travelling forward", true, "#c04020"));
+        lines.push(waves("travelling backward", false, "#208040"));
+        Plot::fitted(["phase per cell, k a", "rad"], ["frequency", "Hz"], lines)
     }
 
     /// The picture.
-    pub fn svg(&self) -> String {
-        chart::chart_with_points(&self.branches(), &self.clouds(), &self.title, &labels())
+    pub fn picture(&self) -> Sheet {
+        Sheet::stack(self.title.as_str(), vec![self.plot()])
     }
 
     /// The page.
@@ -86,21 +141,23 @@ impl DispersionPage {
             String::new(),
         ];
         let heading = ["frequency", "k a", "amplitude", "theory at k a", "deviation", "direction"];
-        let mut rows = vec![heading.map(str::to_owned).to_vec()];
-        rows.extend(found.lines.iter().map(|line| {
-            let theory = self.theory(line);
-            vec![
-                hertz(line.frequency),
-                format!("{:.3} rad", line.phase),
-                format!("{:.0} %", 100.0 * line.height),
-                hertz(theory),
-                format!("{:+.1} %", 100.0 * (line.frequency / theory - 1.0)),
-                if line.onward { "forward" } else { "backward" }.to_owned(),
-            ]
-        }));
+        let rows = table::titled(
+            heading,
+            found.lines.iter().map(|line| {
+                let theory = self.theory(line);
+                vec![
+                    hertz(line.frequency),
+                    format!("{:.3} rad", line.phase),
+                    format!("{:.0} %", 100.0 * line.height),
+                    hertz(theory),
+                    format!("{:+.1} %", 100.0 * (line.frequency / theory - 1.0)),
+                    if line.onward { "forward" } else { "backward" }.to_owned(),
+                ]
+            }),
+        );
         page.extend(table::lines(&rows, &[5]));
         page.push(String::new());
-        page.extend(scatter(&self.branches(), &self.clouds(), &labels()));
+        page.extend(terminal(&self.plot()));
         page.push(
             "  note        on the optical branch phase and energy travel in opposite directions"
                 .to_owned(),
@@ -110,48 +167,96 @@ impl DispersionPage {
     }
 }
 
-fn labels() -> [Label; 2] {
-    [Label::new("phase per cell, k a", "rad"), Label::new("frequency", "Hz")]
+/// The linear chain under one preload.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PressedChain {
+    /// Preload (N).
+    pub preload_n: f64,
+    /// Speed of long waves (m/s).
+    pub long_wave_speed_m_per_s: f64,
+    /// The chain.
+    #[serde(flatten, serialize_with = "band_edges")]
+    chain: Option<DiatomicChain>,
 }
 
-/// The gap's lower edge over the preload, or without a gap the cut-off.
-pub fn bands_curve(rows: &[(f64, DiatomicChain)], now: f64) -> Curve {
-    let has_gap = rows.iter().all(|(_, chain)| chain.has_gap());
-    let edge = |chain: &DiatomicChain| if has_gap { chain.gap_bottom() } else { chain.cutoff() };
-    let name = if has_gap {
-        "f1, the gap's lower edge; f2 and f3 are in proportion"
-    } else {
-        "f3, the cut-off; equal particles leave no gap"
-    };
-    Curve {
-        points: rows.iter().map(|(force, chain)| (*force, edge(chain))).collect(),
-        marks: vec![(now, "the scene's preload".to_owned())],
-        x: Label::new("preload", "N"),
-        y: Label::new(name, "Hz"),
+impl PressedChain {
+    /// `chain`, which is under `preload` (N).
+    pub fn new(preload: f64, chain: DiatomicChain) -> Self {
+        let speed = chain.sound_speed();
+        Self { preload_n: preload, long_wave_speed_m_per_s: speed, chain: Some(chain) }
     }
 }
 
-/// The page that `bands` prints.
-pub fn bands(title: &str, rows: &[(f64, DiatomicChain)], now: f64) -> String {
-    let hertz = |f: f64| engineering(f, "Hz", 4);
-    let gap_edge =
-        |chain: &DiatomicChain, edge| if chain.has_gap() { hertz(edge) } else { "-".to_owned() };
-    let heading = ["preload", "f1, gap from", "f2, gap to", "f3, cutoff", "long waves", ""];
-    let mut lines = vec![heading.map(str::to_owned).to_vec()];
-    lines.extend(rows.iter().map(|(force, chain)| {
-        vec![
-            engineering(*force, "N", 4),
-            gap_edge(chain, chain.gap_bottom()),
-            gap_edge(chain, chain.gap_top()),
-            hertz(chain.cutoff()),
-            engineering(chain.sound_speed(), "m/s", 4),
-            if (*force - now).abs() <= f64::EPSILON * now { "the scene's preload" } else { "" }
-                .to_owned(),
-        ]
-    }));
-    let mut page = vec![title.to_owned()];
-    page.extend(table::lines(&lines, &[5]));
-    page.push(String::new());
-    page.extend(braille(&bands_curve(rows, now)));
-    page.join("\n")
+/// Page of `bands`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BandsPage {
+    /// Name of the scene.
+    pub scene: String,
+    /// Particle around which the chain is periodic.
+    pub particle: usize,
+    /// Preload of the scene (N).
+    #[serde(rename = "preload_n")]
+    pub preload: f64,
+    /// The chain under several preloads.
+    pub bands: Vec<PressedChain>,
+}
+
+impl BandsPage {
+    fn chains(&self) -> Vec<(f64, DiatomicChain)> {
+        self.bands.iter().filter_map(|row| Some((row.preload_n, row.chain?))).collect()
+    }
+
+    /// Title of the page and the picture.
+    pub fn title(&self) -> String {
+        format!("{}, around particle {}", self.scene, self.particle)
+    }
+
+    /// The gap's lower edge over the preload, or without a gap the cut-off.
+    pub fn plot(&self) -> Plot {
+        let rows = self.chains();
+        let has_gap = rows.iter().all(|(_, chain)| chain.has_gap());
+        let edge =
+            |chain: &DiatomicChain| if has_gap { chain.gap_bottom() } else { chain.cutoff() };
+        let name = if has_gap {
+            "f1, the gap's lower edge; f2 and f3 are in proportion"
+        } else {
+            "f3, the cut-off; equal particles leave no gap"
+        };
+        let points = rows.iter().map(|(force, chain)| (*force, edge(chain))).collect();
+        let now = format!("the scene's preload: {}", engineering(self.preload, "N", 4));
+        Plot::fitted(["preload", "N"], [name, "Hz"], vec![Series::main(points)])
+            .with_marks(vec![(self.preload, now)])
+    }
+
+    /// The picture.
+    pub fn picture(&self) -> Sheet {
+        Sheet::stack(self.title(), vec![self.plot()])
+    }
+
+    /// The page as text.
+    pub fn text(&self) -> String {
+        let hertz = |f: f64| engineering(f, "Hz", 4);
+        let gap_edge = |chain: &DiatomicChain, edge| {
+            if chain.has_gap() { hertz(edge) } else { "-".to_owned() }
+        };
+        let heading = ["preload", "f1, gap from", "f2, gap to", "f3, cutoff", "long waves", ""];
+        let mut lines = vec![heading.map(str::to_owned).to_vec()];
+        let now = self.preload;
+        lines.extend(self.chains().iter().map(|(force, chain)| {
+            let is_now = (*force - now).abs() <= f64::EPSILON * now;
+            vec![
+                engineering(*force, "N", 4),
+                gap_edge(chain, chain.gap_bottom()),
+                gap_edge(chain, chain.gap_top()),
+                hertz(chain.cutoff()),
+                engineering(chain.sound_speed(), "m/s", 4),
+                if is_now { "the scene's preload" } else { "" }.to_owned(),
+            ]
+        }));
+        let mut page = vec![self.title()];
+        page.extend(table::lines(&lines, &[5]));
+        page.push(String::new());
+        page.extend(terminal(&self.plot()));
+        page.join("\n")
+    }
 }

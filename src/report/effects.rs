@@ -1,16 +1,17 @@
 //! The effects of a scene as a page of text: one line an effect.
 
-use super::dot_chart::{DotChart, DotRow};
+use super::plot::{Axis, COLOURS, Plot, Series, Sheet, Stroke};
 use super::table::{self, RowTable};
 use super::text::{TERMINAL_WIDTH, hanging_indent, wrapped};
-use crate::quantity::engineering;
-use crate::studies::effects::{EffectState, Ledger, LedgerEntry};
+use crate::studies::effects::{Change, EffectState, Ledger, LedgerEntry};
 
 /// Explanation of the table.
 const TABLE_LEGEND: &str = "Numbers: the largest change of a reading at any sensor with the effect; LSB: that of a first peak in digitiser levels; ±: 95 % of random draws. \
     Needed: more than the accuracy (records: a tenth of a level or sample). * by auto.";
 /// The option that prints more.
 const WHY_HINT: &str = "--why: reasons, and the values that were tried.";
+/// Most decades of the picture's abscissa.
+const MAX_DECADES: i32 = 8;
 /// Column at which reasons begin.
 const REASON_COLUMN: usize = 23;
 
@@ -54,30 +55,30 @@ fn summary(ledger: &Ledger) -> String {
 }
 
 /// The largest change of readings by each effect, as a picture.
-pub fn effects_svg(ledger: &Ledger) -> String {
-    let percent = |value: f64| 100.0 * value.abs();
-    let row = |entry: &LedgerEntry| {
-        let change = entry.change;
-        let values = [
-            change.and_then(|c| c.peak),
-            change.and_then(|c| c.arrival),
-            change.and_then(|c| c.speed),
-        ];
-        DotRow {
-            name: entry.effect.replace('_', " "),
-            values: values.map(|value| value.map(percent)).to_vec(),
-            words: format!("{}, {}", if entry.active { "on" } else { "off" }, entry.verdict.word()),
-        }
-    };
-    DotChart {
-        title: format!("{}: what each effect changes", ledger.scene),
-        axis: "readings with the effect against without (%); at the left end: that or less"
-            .to_owned(),
-        series: vec!["first peak", "arrival", "speed"],
-        mark: (100.0 * ledger.accuracy, "accuracy of the runs".to_owned()),
-        rows: ledger.entries.iter().map(row).collect(),
-    }
-    .svg()
+pub fn effects_picture(ledger: &Ledger) -> Sheet {
+    let entries = || ledger.entries.iter();
+    let readings: [(_, fn(&Change) -> Option<f64>); 3] =
+        [("first peak", |c| c.peak), ("arrival", |c| c.arrival), ("speed", |c| c.speed)];
+    let series = readings.into_iter().zip(COLOURS).map(|((name, of), colour)| {
+        let percent = |entry: &LedgerEntry| Some(100.0 * entry.change.as_ref().and_then(of)?.abs());
+        let points = entries().enumerate();
+        let points = points.filter_map(|(row, entry)| Some((percent(entry)?, row as f64)));
+        Series::new(name, points.collect(), colour, Stroke::Dots)
+    });
+    let lines: Vec<Series> = series.collect();
+    let accuracy = 100.0 * ledger.accuracy;
+    let sizes = lines.iter().flat_map(|series| &series.points).map(|(percent, _)| *percent);
+    let label = "readings with the effect against without (%); at the left end: that or less";
+    let x = Axis::powers(label, sizes.chain([accuracy]), MAX_DECADES);
+    let mut plot = Plot::of_rows(x, entries().map(|entry| entry.effect.replace('_', " ")));
+    let state = |entry: &LedgerEntry| if entry.active { "on" } else { "off" };
+    plot.beside = entries()
+        .enumerate()
+        .map(|(row, entry)| (row as f64, format!("{}, {}", state(entry), entry.verdict.word())))
+        .collect();
+    plot.lines = lines;
+    plot.marks = vec![(accuracy, "accuracy of the runs".to_owned())];
+    Sheet::rows(format!("{}: what each effect changes", ledger.scene), plot)
 }
 
 fn row(entry: &LedgerEntry, accuracy: f64) -> Vec<String> {
@@ -88,7 +89,7 @@ fn row(entry: &LedgerEntry, accuracy: f64) -> Vec<String> {
     let moves = change.is_some_and(|change| change.speed.is_some());
     let known = if moves { accuracy } else { 0.0 };
     let share = |value: Option<f64>| value.map_or("-".to_owned(), |v| sign(percent(v, known)));
-    let time = |value: Option<f64>| value.map_or("-".to_owned(), |v| engineering(v, "s", 2));
+    let time = |value: Option<f64>| table::known(value, "s", 2);
     let state = match entry.state {
         EffectState::On => "on",
         EffectState::Off => "off",

@@ -1,10 +1,9 @@
-//! A fit as a page of text and as a document with pictures; blind fits as a page.
+//! A fit as a page with pictures; blind fits as a page of text.
 
-use super::chart::{Under, chart, chart_over};
-use super::document::Part;
-use super::number::{decimals, plus_minus};
-use super::plot::{Curve, Label};
+use super::page::Part;
+use super::plot::{Plot, Series, Sheet};
 use super::table;
+use super::table::{decimals, plus_minus};
 use crate::fit::blind::BlindFits;
 use crate::fit::{ChannelResult, Fit, FitReport, Nuisance, Parameter};
 use crate::quantity::engineering;
@@ -24,8 +23,7 @@ fn parameter_rows(report: &FitReport) -> Vec<Vec<String>> {
             format!("{:.3} %", 100.0 * p.expanded / p.value.abs()),
         ]
     };
-    let heading = std::iter::once(heading.map(str::to_owned).to_vec());
-    heading.chain(report.parameters.iter().map(row)).collect()
+    table::titled(heading, report.parameters.iter().map(row))
 }
 
 fn nuisance(found: &Nuisance) -> String {
@@ -53,8 +51,7 @@ fn channel_rows(report: &FitReport) -> Vec<Vec<String>> {
             c.mapped_by.to_owned(),
         ]
     };
-    let heading = std::iter::once(heading.map(str::to_owned).to_vec());
-    heading.chain(report.channels.iter().map(row)).collect()
+    table::titled(heading, report.channels.iter().map(row))
 }
 
 fn correlation_rows(report: &FitReport) -> Vec<Vec<String>> {
@@ -100,89 +97,63 @@ fn quality(report: &FitReport) -> String {
     )
 }
 
-/// The page that `fit` prints.
-pub fn fit(report: &FitReport) -> String {
-    let mut lines = vec![format!(
+/// The fit as a page; pictures are called `<stem>-CH1.svg` and `<stem>-CH1-residual.svg`.
+pub fn fit_page(fit: &Fit, stem: &str) -> Vec<Part> {
+    let report = &fit.report;
+    let title = format!(
         "{} fitted to {}; ± is the expanded uncertainty (95 %)",
         report.scene, report.measured
-    )];
-    lines.extend(table::lines(&parameter_rows(report), &[0]));
-    lines
-        .extend(report.nuisances.iter().map(|found| format!("  also fitted  {}", nuisance(found))));
-    lines.push(String::new());
-    lines.push("correlations".to_owned());
-    lines.extend(table::lines(&correlation_rows(report), &[0]));
-    lines.push(String::new());
-    lines.push("residuals (autocorrelation from one sample to the next)".to_owned());
-    lines.extend(table::lines(&channel_rows(report), &[0, 5]));
-    lines.push(format!("  {}", quality(report)));
-    lines.extend(profile_lines(report).iter().map(|line| format!("  profile  {line}")));
-    lines.extend(report.notes.iter().map(|note| format!("  note  {note}")));
-    lines.join("\n")
-}
-
-/// The fit as a document; pictures are called `<stem>-CH1.svg` and `<stem>-CH1-residual.svg`.
-pub fn fit_parts(fit: &Fit, stem: &str) -> Vec<Part> {
-    let report = &fit.report;
+    );
+    let nuisances = report.nuisances.iter().map(nuisance).collect();
     let mut parts = vec![
-        Part::Heading(1, format!("{} fitted to {}", report.scene, report.measured)),
-        Part::Table(parameter_rows(report)),
-        Part::Paragraph("± is the expanded uncertainty (95 %): noise, rounding, and the gains' within their data sheets.".to_owned()),
-        Part::List(report.nuisances.iter().map(nuisance).collect()),
-        Part::Heading(2, "Correlations".to_owned()),
-        Part::Table(correlation_rows(report)),
-        Part::Heading(2, "What is left".to_owned()),
-        Part::Table(channel_rows(report)),
-        Part::Paragraph(format!("{}.", quality(report))),
+        Part::Heading(1, title),
+        Part::Table(parameter_rows(report), &[0]),
+        Part::List("also fitted", nuisances),
     ];
-    let profiles = profile_lines(report);
-    if !profiles.is_empty() {
-        parts.push(Part::Heading(2, "Profiles of badly determined numbers".to_owned()));
-        parts.push(Part::List(profiles));
-    }
+    parts.extend(Part::section("correlations", correlation_rows(report), &[0]));
+    let title = "residuals (autocorrelation from one sample to the next)";
+    parts.extend(Part::section(title, channel_rows(report), &[0, 5]));
+    parts.push(Part::Paragraph(quality(report)));
+    parts.push(Part::List("profile", profile_lines(report)));
     let axis = fit.records.axis;
     for (record, shown) in fit.records.list.iter().zip(&fit.shown) {
         let name = &record.name;
-        let curve = |values: &mut dyn Iterator<Item = f64>, name: &str| Curve {
-            points: values
-                .enumerate()
-                .map(|(i, v)| (axis.start + i as f64 * axis.interval, v))
-                .collect(),
-            marks: Vec::new(),
-            x: Label::new("time after the trigger", "s"),
-            y: Label::new(name, "V"),
+        let points = |values: &mut dyn Iterator<Item = f64>| -> Vec<(f64, f64)> {
+            let time = |index: usize| axis.start + index as f64 * axis.interval;
+            values.enumerate().map(|(index, volts)| (time(index), volts)).collect()
         };
-        let measured = curve(&mut record.volts.iter().copied(), "voltage");
-        let under = curve(&mut shown.iter().copied(), "").points;
+        let title = format!("{name}: measured and fitted");
+        let fitted = Series::behind("fitted", points(&mut shown.iter().copied()));
+        let measured = points(&mut record.volts.iter().copied());
+        let both = Plot::over_time([&format!("{name}, measured"), "V"], measured, vec![fitted]);
+        let both = Sheet::stack(title.as_str(), vec![both]);
+        let what = format!("{name}: measured minus fitted");
         let left = record.volts.iter().zip(shown).zip(&record.counts);
         let mut left = left.map(|((m, s), counts)| if *counts { m - s } else { 0.0 });
-        let residual = curve(&mut left, "measured less fitted");
-        let title = format!("{name}: measured and fitted");
-        let both = chart_over(&measured, &[Under::new("fitted", vec![under])], &title);
-        let apart = chart(&residual, &format!("{name}: residual"));
-        parts.push(Part::Heading(2, name.clone()));
+        let apart = Plot::over_time([&what, "V"], points(&mut left), Vec::new());
+        let apart = Sheet::stack(format!("{name}: residual"), vec![apart]);
         parts.push(Part::Picture(format!("{stem}-{name}.svg"), title, both));
-        let what = format!("{name}: measured less fitted");
         parts.push(Part::Picture(format!("{stem}-{name}-residual.svg"), what, apart));
     }
-    parts.push(Part::Heading(2, "Notes".to_owned()));
-    parts.push(Part::List(report.notes.clone()));
+    parts.push(Part::List("note", report.notes.clone()));
     parts
 }
 
 /// The page that `fit --blind` prints.
 pub fn blind(found: &BlindFits, scene: &str) -> String {
     let heading = ["", "inside 95 %", "bias", "spread", "mean u"];
-    let mut rows = vec![heading.map(str::to_owned).to_vec()];
-    rows.extend(found.parameters.iter().map(|p| {
-        vec![
-            p.path.clone(),
-            format!("{:.1} %", 100.0 * p.coverage_95),
-            format!("{:+.3} u", p.bias),
-            format!("{:.3} u", p.spread),
-            format!("{:.4} %", 100.0 * p.mean_u_relative),
-        ]
-    }));
+    let mut rows = table::titled(
+        heading,
+        found.parameters.iter().map(|p| {
+            vec![
+                p.path.clone(),
+                format!("{:.1} %", 100.0 * p.coverage_95),
+                format!("{:+.3} u", p.bias),
+                format!("{:.3} u", p.spread),
+                format!("{:.4} %", 100.0 * p.mean_u_relative),
+            ]
+        }),
+    );
     rows.push(vec!["all".to_owned(), format!("{:.1} %", 100.0 * found.coverage_95)]);
     let mut lines = vec![format!(
         "{} blind fits of {scene}, numbers hidden within {} %",

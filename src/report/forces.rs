@@ -1,39 +1,87 @@
 //! Forces by calibrated sensors as a page of text and as a curve.
 
-use super::chart::{Under, charts_over};
-use super::plot::{Curve, Label, braille};
+use serde::{Serialize, Serializer};
+
+use super::plot::{Plot, Series, Sheet, terminal, trace_points};
 use super::table;
 use crate::measurement::arrivals::sensitivities_unknown;
 use crate::measurement::force::Forces;
 use crate::numeric::intervals::NORMAL_95;
 use crate::quantity::engineering;
 
-/// Force over time.
-fn force_curve(forces: &Forces) -> Curve {
-    let values = forces.force.values.iter().enumerate();
-    Curve {
-        points: values.map(|(i, force)| (forces.force.time(i), *force)).collect(),
-        marks: Vec::new(),
-        x: Label::new("time after the trigger", "s"),
-        y: Label::new(&format!("force at {}", forces.force.name), "N"),
+/// Page of `force`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ForcePage {
+    /// Number of the shot.
+    pub shot: u32,
+    /// Forces of the channels.
+    #[serde(serialize_with = "channels")]
+    pub channels: Vec<Forces>,
+    /// Why other channels have no forces.
+    pub problems: Vec<String>,
+    /// Notes for the reader.
+    pub notes: Vec<String>,
+}
+
+fn channels<S: Serializer>(found: &[Forces], serializer: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Channel<'a> {
+        channel: &'a str,
+        sensor: &'a str,
+        sensitivity_v_per_n: Option<f64>,
+        sensitivity_u_relative: Option<f64>,
+        gain_u_relative: f64,
+        gain_note: Option<String>,
+        tau_s: Option<f64>,
+        tau_u_relative: Option<f64>,
+        start_s: f64,
+        interval_s: f64,
+        force_n: &'a [f64],
+        u_n: &'a [f64],
+        #[serde(rename = "U95_n")]
+        expanded_n: &'a [f64],
+        noise_u_n: &'a [f64],
+        clipped: usize,
     }
+    serializer.collect_seq(found.iter().map(|forces| Channel {
+        channel: &forces.channel,
+        sensor: &forces.sensor.name,
+        sensitivity_v_per_n: forces.sensor.sensitivity,
+        sensitivity_u_relative: forces.sensor.sensitivity_u,
+        gain_u_relative: forces.sensor.gain_u,
+        gain_note: forces.sensor.gain_note(),
+        tau_s: forces.sensor.time_constant,
+        tau_u_relative: forces.sensor.time_constant_u,
+        start_s: forces.force.start,
+        interval_s: forces.force.interval,
+        force_n: &forces.force.values,
+        u_n: &forces.u,
+        expanded_n: &forces.expanded,
+        noise_u_n: &forces.noise_u,
+        clipped: forces.clipped,
+    }))
+}
+
+/// Force of a channel over time, with its expanded uncertainty.
+fn force_plot(forces: &Forces) -> Plot {
+    let force = trace_points(&forces.force);
+    let edge = |sign: f64| -> Vec<(f64, f64)> {
+        let samples = force.iter().zip(&forces.expanded);
+        samples.map(|((time, force), u)| (*time, force + sign * u)).collect()
+    };
+    let area = Series::area("95 %", &edge(-1.0), &edge(1.0));
+    let name = format!("force at {}", forces.force.name);
+    Plot::over_time([&name, "N"], force, vec![area])
 }
 
 /// Forces of all channels with their expanded uncertainties, as a picture.
-pub fn force_picture(found: &[Forces], title: &str) -> String {
-    let panel = |forces: &Forces| {
-        let samples = || forces.force.values.iter().zip(&forces.expanded).enumerate();
-        let edge = |sign: f64| {
-            samples().map(move |(i, (force, u))| (forces.force.time(i), force + sign * u))
-        };
-        let edges = [-1.0, 1.0].map(|sign| edge(sign).collect()).to_vec();
-        (force_curve(forces), vec![Under::new("95 %", edges)])
-    };
-    charts_over(&found.iter().map(panel).collect::<Vec<_>>(), title)
+pub fn force_picture(found: &[Forces], title: &str) -> Sheet {
+    Sheet::stack(title, found.iter().map(force_plot).collect())
 }
 
 /// The page that `force` prints.
-pub fn forces(found: &[Forces], problems: &[String]) -> String {
+pub fn forces(page: &ForcePage) -> String {
+    let found = &page.channels;
     let heading =
         ["", "sensor", "sensitivity", "tau", "largest force", "U95", "at", "U95 of noise"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
@@ -47,9 +95,7 @@ pub fn forces(found: &[Forces], problems: &[String]) -> String {
         };
         let sensor = &channel.sensor;
         let is_clipped = channel.first_clipped.is_some_and(|first| index >= first);
-        let or_none = |value: Option<f64>, unit| {
-            value.map_or("-".to_owned(), |value| engineering(value, unit, 4))
-        };
+        let or_none = |value: Option<f64>, unit| table::known(value, unit, 4);
         rows.push(vec![
             channel.channel.clone(),
             sensor.name.clone(),
@@ -77,10 +123,12 @@ pub fn forces(found: &[Forces], problems: &[String]) -> String {
     }));
     let gains = found.iter().filter_map(|channel| channel.sensor.gain_note());
     lines.extend(gains.map(|note| format!("  note  {note}")));
-    lines.extend(problems.iter().map(|problem| format!("  note  {problem}")));
+    lines.extend(
+        page.problems.iter().chain(&page.notes).map(|problem| format!("  note  {problem}")),
+    );
     if let Some(first) = found.first() {
         lines.push(String::new());
-        lines.extend(braille(&force_curve(first)));
+        lines.extend(terminal(&force_plot(first)));
     }
     lines.join("\n")
 }

@@ -1,26 +1,25 @@
 //! The catalogue of hard cases as a page of text: one line a case.
 
-use super::dot_chart::{DotChart, DotRow};
+use super::plot::{Axis, COLOURS, Plot, Series, Sheet, Stroke};
 use super::table::{self, RowTable};
 use super::text::hanging_indent;
 use crate::studies::hard_cases::CaseResult;
 
+/// Most decades of the picture's abscissa.
+const MAX_DECADES: i32 = 8;
+
 /// How near each case comes to its bound, as a picture.
-pub fn hard_cases_svg(findings: &[CaseResult]) -> String {
-    let row = |finding: &CaseResult| DotRow {
-        name: finding.case.to_owned(),
-        values: vec![share(finding)],
-        words: finding.verdict.word().to_owned(),
-    };
-    DotChart {
-        title: "Hard cases: the tightest figure of each over its bound".to_owned(),
-        axis: "figure over bound; at the left end: that or less; refused cases have none"
-            .to_owned(),
-        series: vec!["figure"],
-        mark: (1.0, "bound".to_owned()),
-        rows: findings.iter().map(row).collect(),
-    }
-    .svg()
+pub fn hard_cases_picture(findings: &[CaseResult]) -> Sheet {
+    let rows = || findings.iter().enumerate().map(|(row, finding)| (row as f64, finding));
+    let points: Vec<(f64, f64)> =
+        rows().filter_map(|(row, finding)| Some((share(finding)?, row))).collect();
+    let label = "figure over bound; at the left end: that or less; refused cases have none";
+    let x = Axis::powers(label, points.iter().map(|point| point.0).chain([1.0]), MAX_DECADES);
+    let mut plot = Plot::of_rows(x, findings.iter().map(|finding| finding.case.to_owned()));
+    plot.beside = rows().map(|(row, finding)| (row, finding.verdict.word().to_owned())).collect();
+    plot.lines = vec![Series::new("figure", points, COLOURS[0], Stroke::Dots)];
+    plot.marks = vec![(1.0, "bound".to_owned())];
+    Sheet::rows("Hard cases: the tightest figure of each over its bound", plot)
 }
 
 /// The tightest figure of a case over its bound (1).

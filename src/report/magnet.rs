@@ -1,6 +1,8 @@
 //! A magnet's force over distance as a page of text and as a curve.
 
-use super::plot::{Curve, Label, braille};
+use serde::{Serialize, Serializer};
+
+use super::plot::{Plot, Series, Sheet, terminal};
 use super::table;
 use crate::magnet::{ForceLaw, Magnet};
 use crate::quantity::engineering;
@@ -11,17 +13,22 @@ const CURVE_POINTS: u32 = 600;
 const ZERO_CELSIUS: f64 = 273.15;
 
 /// Force and field of the magnet at one distance.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MagnetPoint {
     /// From the face to the sphere's centre (m).
+    #[serde(rename = "distance_m")]
     pub distance: f64,
     /// Attraction (N).
+    #[serde(rename = "force_n")]
     pub force: f64,
     /// Its change with distance (N/m).
+    #[serde(rename = "slope_n_per_m")]
     pub slope: f64,
     /// Flux density on the axis, of a ring (T).
+    #[serde(rename = "field_t")]
     pub field: Option<f64>,
     /// Its change along the axis, of a ring (T/m).
+    #[serde(rename = "gradient_t_per_m")]
     pub gradient: Option<f64>,
     /// How far the sphere is magnetised, of a ring; 1 is saturated (1).
     pub saturation: Option<f64>,
@@ -60,20 +67,59 @@ impl MagnetPoint {
     }
 }
 
+impl Serialize for MagnetPage {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct Points {
+            distance_m: Vec<f64>,
+            force_n: Vec<f64>,
+        }
+        #[derive(Serialize)]
+        struct Fields<'a> {
+            magnet: &'a str,
+            source: &'a str,
+            temperature_k: f64,
+            wanted_n: Option<f64>,
+            places: &'a [MagnetPoint],
+            curve: Points,
+        }
+        let (distance_m, force_n) = self.points().into_iter().unzip();
+        Fields {
+            magnet: &self.magnet.name,
+            source: &self.magnet.source,
+            temperature_k: self.temperature,
+            wanted_n: self.wanted,
+            places: &self.places,
+            curve: Points { distance_m, force_n },
+        }
+        .serialize(serializer)
+    }
+}
+
 impl MagnetPage {
-    /// Force over distance, with the places marked.
-    pub fn curve(&self) -> Curve {
+    fn points(&self) -> Vec<(f64, f64)> {
         let [near, far] = self.magnet.span();
         let place = |i: u32| near + (far - near) * f64::from(i) / f64::from(CURVE_POINTS);
         let point =
             |distance: f64| Some((distance, self.magnet.force(distance, self.temperature)?));
-        let mark = |place: &MagnetPoint| (place.distance, engineering(place.force, "N", 4));
-        Curve {
-            points: (0..=CURVE_POINTS).map(place).filter_map(point).collect(),
-            marks: self.places.iter().map(mark).collect(),
-            x: Label::new("from the face to the sphere's centre", "m"),
-            y: Label::new("attraction", "N"),
-        }
+        (0..=CURVE_POINTS).map(place).filter_map(point).collect()
+    }
+
+    /// Force over distance, with the places marked.
+    pub fn plot(&self) -> Plot {
+        let mark = |place: &MagnetPoint| {
+            let [force, distance] = [(place.force, "N"), (place.distance, "m")]
+                .map(|(value, unit)| engineering(value, unit, 4));
+            (place.distance, format!("{force} at {distance}"))
+        };
+        let x = ["from the face to the sphere's centre", "m"];
+        Plot::fitted(x, ["attraction", "N"], vec![Series::main(self.points())])
+            .with_marks(self.places.iter().map(mark).collect())
+    }
+
+    /// The picture.
+    pub fn picture(&self) -> Sheet {
+        Sheet::stack(self.magnet.name.as_str(), vec![self.plot()])
     }
 
     /// The page that `magnet` prints.
@@ -91,7 +137,7 @@ impl MagnetPage {
             lines.extend(self.place_lines());
         }
         lines.push(String::new());
-        lines.extend(braille(&self.curve()));
+        lines.extend(terminal(&self.plot()));
         lines.join("\n")
     }
 

@@ -1,31 +1,26 @@
 //! Results as text and pictures for people.
 
 mod arrivals;
-mod budget_picture;
 pub mod calibration;
 pub mod calibration_design;
 pub mod certificate;
-mod chart;
 mod comparison;
 mod contents;
-mod dark;
 pub mod dispersion;
-pub mod document;
-mod dot_chart;
 mod effects;
 mod fit;
 mod forces;
 mod hard_cases;
+mod json;
 pub mod magnet;
-mod number;
 #[cfg(feature = "png")]
 mod outlines;
+pub mod page;
 mod paper;
 pub mod plot;
 #[cfg(feature = "png")]
 mod png;
 mod screen;
-pub mod sheet;
 pub mod spectrogram;
 pub mod spectrum;
 mod statistics;
@@ -38,30 +33,28 @@ mod tunability;
 mod uncertainty;
 mod work_precision;
 
-pub use arrivals::arrivals;
-pub use budget_picture::budget_picture;
-pub use chart::chart;
-pub use comparison::{comparison, comparison_facts, comparison_parts};
-pub use contents::{contents, contents_after, contents_before, contents_of};
-pub use dark::on_dark;
-pub use dispersion::{bands, bands_curve};
-pub use effects::{effects, effects_svg, effects_table};
-pub use fit::{blind, fit, fit_parts};
-pub use forces::{force_picture, forces};
-pub use hard_cases::{hard_cases, hard_cases_svg, hard_cases_table};
+pub use arrivals::{arrivals, arrivals_picture};
+pub use comparison::{comparison_facts, comparison_page};
+pub use contents::{contents_after, contents_before, contents_of};
+pub use effects::{effects, effects_picture, effects_table};
+pub use fit::{blind, fit_page};
+pub use forces::{ForcePage, force_picture, forces};
+pub use hard_cases::{hard_cases, hard_cases_picture, hard_cases_table};
+pub use json::{ResultError, check_finite, to_json};
 pub use paper::{PaperPicture, paper, paper_parts, paper_pictures};
 #[cfg(feature = "png")]
 pub use png::{PngError, png};
-pub use screen::{ScreenTheme, screen};
-pub use statistics::{statistics, statistics_csv};
+pub use screen::screen;
+pub use statistics::{statistics, statistics_table};
 pub use summary::summary;
 pub use sweep::{gathering, sweep};
 pub use table::RowTable;
-pub use tunability::{transmitted, tunability, tunability_svg};
+pub use tunability::{TunabilityPage, transmitted, tunability, tunability_picture};
 pub use uncertainty::{
-    bands_picture, normalised_error_lines, prediction_intervals, shot_picture, uncertainty_budget,
+    bands_picture, budget_picture, normalised_error_lines, prediction_intervals, shot_picture,
+    uncertainty_budget,
 };
-pub use work_precision::{WorkMeasure, work_precision, work_precision_svg};
+pub use work_precision::{WorkMeasure, work_precision, work_precision_picture};
 
 use crate::quantity::printable;
 

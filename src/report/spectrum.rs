@@ -1,6 +1,8 @@
 //! A spectrum as a page of text and as a curve.
 
-use super::plot::{Curve, Label, braille};
+use serde::{Serialize, Serializer};
+
+use super::plot::{Plot, Series, Sheet, terminal};
 use super::table;
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::spectrum::SpectralPeak;
@@ -14,15 +16,18 @@ const SHOWN_SHARE: f64 = 0.01;
 const BAND_MARGIN: f64 = 1.5;
 
 /// A spectrum with what is known about the chain it comes from.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SpectrumPage {
     /// The name of the transformed signal.
+    #[serde(rename = "signal")]
     pub title: String,
     /// Its spectrum.
+    #[serde(flatten)]
     pub spectrum: Spectrum,
     /// The maxima to list.
-    pub peaks: Vec<SpectralPeak>,
-    /// The chain around the sensor, where the recording tells.
+    pub peaks: Vec<ListedPeak>,
+    /// The chain around the sensor, if the recording has a scene.
+    #[serde(flatten, serialize_with = "band_edges")]
     pub chain: Option<DiatomicChain>,
     /// The offset subtracted from every sample (unit).
     pub offset: f64,
@@ -30,8 +35,52 @@ pub struct SpectrumPage {
     pub notes: Vec<String>,
 }
 
+/// A maximum of a spectrum.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ListedPeak {
+    /// Frequency (Hz).
+    pub frequency_hz: f64,
+    /// Its standard uncertainty (Hz).
+    pub u_hz: f64,
+    /// Its expanded uncertainty for 95 % (Hz).
+    #[serde(rename = "U95_hz")]
+    pub expanded_hz: f64,
+    /// Amplitude (unit).
+    pub amplitude: f64,
+    /// The chain's band that it lies in.
+    pub band: Option<&'static str>,
+}
+
+impl ListedPeak {
+    /// `peak` with its band in `chain`.
+    pub fn new(peak: &SpectralPeak, chain: Option<&DiatomicChain>) -> Self {
+        let frequency = peak.uncertain();
+        Self {
+            frequency_hz: peak.frequency,
+            u_hz: frequency.u,
+            expanded_hz: frequency.expanded(),
+            amplitude: peak.amplitude,
+            band: chain.map(|chain| band(chain, peak.frequency)),
+        }
+    }
+}
+
+/// The chain's band edges (Hz) as fields `f1_hz` to `f3_hz`, null without a chain.
+#[allow(clippy::ref_option, reason = "the signature that serde calls")]
+pub(super) fn band_edges<S: Serializer>(
+    chain: &Option<DiatomicChain>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    let edges: [(_, fn(&DiatomicChain) -> f64); 3] = [
+        ("f1_hz", DiatomicChain::gap_bottom),
+        ("f2_hz", DiatomicChain::gap_top),
+        ("f3_hz", DiatomicChain::cutoff),
+    ];
+    serializer.collect_map(edges.map(|(name, edge)| (name, chain.as_ref().map(edge))))
+}
+
 /// Which band of `chain` a frequency (Hz) lies in.
-pub fn band(chain: &DiatomicChain, frequency: f64) -> &'static str {
+fn band(chain: &DiatomicChain, frequency: f64) -> &'static str {
     if !chain.has_gap() {
         if frequency <= chain.cutoff() { "pass band" } else { "above the cut-off" }
     } else if frequency <= chain.gap_bottom() {
@@ -45,7 +94,7 @@ pub fn band(chain: &DiatomicChain, frequency: f64) -> &'static str {
     }
 }
 
-/// The band edges of `chain` as marks of a curve over frequency.
+/// The band edges of `chain` as marks of a plot over frequency.
 pub(super) fn band_marks(chain: &DiatomicChain) -> Vec<(f64, String)> {
     let named = |(name, frequency): (&str, f64)| {
         let what = match name {
@@ -54,14 +103,14 @@ pub(super) fn band_marks(chain: &DiatomicChain) -> Vec<(f64, String)> {
             _ if chain.has_gap() => "f3, top of the optical branch",
             _ => "f3, the cut-off",
         };
-        (frequency, what.to_owned())
+        (frequency, format!("{what}: {}", engineering(frequency, "Hz", 4)))
     };
     chain.edges().into_iter().map(named).collect()
 }
 
 impl SpectrumPage {
     /// The spectrum from zero to where little is left, with the band edges marked.
-    pub fn curve(&self) -> Curve {
+    pub fn plot(&self) -> Plot {
         let spectrum = &self.spectrum;
         let top = spectrum.amplitude.iter().copied().fold(0.0, f64::max);
         let last = spectrum.amplitude.iter().rposition(|a| *a >= SHOWN_SHARE * top).unwrap_or(0);
@@ -71,12 +120,15 @@ impl SpectrumPage {
         };
         let points = spectrum.amplitude.iter().enumerate();
         let points = points.map(|(bin, a)| (spectrum.frequency(bin), *a));
-        Curve {
-            points: points.take_while(|(f, _)| *f <= end.max(2.0 * spectrum.step)).collect(),
-            marks: self.chain.iter().flat_map(band_marks).collect(),
-            x: Label::new("frequency", "Hz"),
-            y: Label::new(&spectrum.convention.to_string(), &spectrum.unit),
-        }
+        let points = points.take_while(|(f, _)| *f <= end.max(2.0 * spectrum.step)).collect();
+        let y = spectrum.convention.to_string();
+        Plot::fitted(["frequency", "Hz"], [&y, &spectrum.unit], vec![Series::main(points)])
+            .with_marks(self.chain.iter().flat_map(band_marks).collect())
+    }
+
+    /// The picture.
+    pub fn picture(&self) -> Sheet {
+        Sheet::stack(self.title.as_str(), vec![self.plot()])
     }
 
     /// The page that `spectrum` prints.
@@ -103,7 +155,7 @@ impl SpectrumPage {
         lines.push(String::new());
         lines.extend(self.peak_lines());
         lines.push(String::new());
-        lines.extend(braille(&self.curve()));
+        lines.extend(terminal(&self.plot()));
         lines.extend(self.notes.iter().map(|note| format!("  note        {note}")));
         lines.join("\n")
     }
@@ -115,11 +167,11 @@ impl SpectrumPage {
         let mut rows = vec![heading];
         rows.extend(self.peaks.iter().map(|peak| {
             let mut row = vec![
-                engineering(peak.frequency, "Hz", 4),
-                engineering(peak.uncertain().expanded(), "Hz", 2),
+                engineering(peak.frequency_hz, "Hz", 4),
+                engineering(peak.expanded_hz, "Hz", 2),
                 engineering(peak.amplitude, unit, 3),
             ];
-            row.extend(self.chain.map(|chain| band(&chain, peak.frequency).to_owned()));
+            row.extend(peak.band.map(str::to_owned));
             row
         }));
         table::lines(&rows, &[3])

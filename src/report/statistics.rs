@@ -1,10 +1,9 @@
 //! Statistics over shots as a table of text, and as a table for other programs.
 
-use std::fmt::Write as _;
-
 use super::table;
 use crate::measurement::statistics::ShotStatistic;
 use crate::quantity::engineering;
+use crate::table::{Column, Table};
 
 /// The table that `arrivals` ends with.
 pub fn statistics(found: &[ShotStatistic]) -> String {
@@ -42,30 +41,30 @@ pub fn statistics(found: &[ShotStatistic]) -> String {
     lines.join("\n")
 }
 
-/// The same as a CSV table, one row a quantity.
-pub fn statistics_csv(found: &[ShotStatistic]) -> String {
-    let mut text = "quantity,channel,to,estimator,unit,shots,mean,standard_deviation,mean_u,repeatability,trend_per_shot,trend_u,trend_U95\n".to_owned();
-    for statistic in found {
-        let or_empty =
-            |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:e}"));
-        // Writing to a String cannot fail.
-        let _ = writeln!(
-            text,
-            "{},{},{},{},{},{},{:e},{},{},{},{},{},{}",
-            statistic.quantity,
-            statistic.channel,
-            statistic.to.as_deref().unwrap_or_default(),
-            statistic.estimator.unwrap_or_default(),
-            statistic.unit,
-            statistic.shots,
-            statistic.mean,
-            or_empty(statistic.standard_deviation),
-            or_empty(statistic.mean_u),
-            or_empty(statistic.repeatability),
-            or_empty(statistic.trend.map(|trend| trend.value)),
-            or_empty(statistic.trend.map(|trend| trend.u)),
-            or_empty(statistic.trend.map(|trend| trend.expanded)),
-        );
-    }
-    text
+/// The same as a table for other programs, one row for each quantity.
+pub fn statistics_table(found: &[ShotStatistic]) -> Table {
+    let words = ["quantity", "channel", "to", "estimator", "unit"].map(Column::text);
+    let numbers = ["mean", "standard_deviation", "mean_u", "repeatability"].map(Column::number);
+    let trend = ["trend_per_shot", "trend_u", "trend_U95"].map(Column::number);
+    let mut columns = words.to_vec();
+    columns.push(Column::count("shots"));
+    columns.extend(numbers.into_iter().chain(trend));
+    let row = |statistic: &ShotStatistic| {
+        vec![
+            statistic.quantity.into(),
+            statistic.channel.as_str().into(),
+            statistic.to.as_deref().into(),
+            statistic.estimator.into(),
+            statistic.unit.into(),
+            (statistic.shots as u64).into(),
+            statistic.mean.into(),
+            statistic.standard_deviation.into(),
+            statistic.mean_u.into(),
+            statistic.repeatability.into(),
+            statistic.trend.map(|trend| trend.value).into(),
+            statistic.trend.map(|trend| trend.u).into(),
+            statistic.trend.map(|trend| trend.expanded).into(),
+        ]
+    };
+    Table { columns, rows: found.iter().map(row).collect() }
 }

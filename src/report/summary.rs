@@ -34,7 +34,7 @@ fn readings(summary: &Summary) -> Vec<String> {
     let heading = ["where", "static", "first peak", "total", "peak at", "half-rise", "10 %"];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     let newton = |force: f64| engineering(force, "N", 4);
-    let seconds = |time: Option<f64>| time.map_or("-".to_owned(), |t| engineering(t, "s", 4));
+    let seconds = |time: Option<f64>| table::known(time, "s", 4);
     let row = |reading: &Reading| {
         let place = match reading.particle {
             Some(particle) if reading.offset == 0.0 => format!("particle {particle}"),

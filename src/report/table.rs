@@ -1,7 +1,30 @@
-//! Plain tables: columns as wide as their widest cell, numbers to the right.
+//! Cells and plain tables: numbers with their expanded uncertainty to two digits of it; columns as
+//! wide as their widest cell, numbers to the right.
 
-/// Widest column: longer cells stand out of it, and make nothing else wider (characters).
+use unicode_width::UnicodeWidthStr;
+
+use crate::quantity::engineering;
+
+/// Widest column: longer cells overflow it and make no other cell wider (characters).
 const WIDEST: usize = 60;
+
+/// Columns that `text` takes on a terminal.
+pub(super) fn width(text: &str) -> usize {
+    UnicodeWidthStr::width(text)
+}
+
+/// Rows under their heading.
+pub fn titled<const N: usize>(
+    heading: [&str; N],
+    rows: impl IntoIterator<Item = Vec<String>>,
+) -> Vec<Vec<String>> {
+    std::iter::once(heading.map(str::to_owned).to_vec()).chain(rows).collect()
+}
+
+/// A number that may be unknown, in engineering notation with so many digits.
+pub fn known(value: Option<f64>, unit: &str, digits: usize) -> String {
+    value.map_or("-".to_owned(), |value| engineering(value, unit, digits))
+}
 
 /// A table with one row for each of a list of things, in parts.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -24,19 +47,43 @@ pub fn lines_apart(rows: &[Vec<String>], left: &[usize], gap: &str) -> Vec<Strin
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |column: usize| {
         let cells = rows.iter().filter_map(|row| row.get(column));
-        cells.map(|c| c.chars().count()).filter(|width| *width <= WIDEST).max().unwrap_or(0)
+        cells.map(|cell| self::width(cell)).filter(|width| *width <= WIDEST).max().unwrap_or(0)
     };
     let widths: Vec<usize> = (0..columns).map(width).collect();
     let line = |row: &Vec<String>| {
         let cells = row.iter().zip(&widths).enumerate();
         let padded = cells.map(|(column, (cell, width))| {
+            let padding = " ".repeat(width.saturating_sub(self::width(cell)));
             if left.contains(&column) {
-                format!("{cell:<width$}")
+                format!("{cell}{padding}")
             } else {
-                format!("{cell:>width$}")
+                format!("{padding}{cell}")
             }
         });
         format!("  {}", padded.collect::<Vec<_>>().join(gap).trim_end())
     };
     rows.iter().map(line).collect()
+}
+
+/// Decimals that show two digits of `u`.
+pub(super) fn decimals(u: f64) -> usize {
+    (1.0 - u.log10().floor()).clamp(0.0, 12.0) as usize
+}
+
+/// A number in the given unit: `1.4601 ± 0.0023 GPa`.
+pub(super) fn plus_minus(value: f64, expanded: f64, unit: &str) -> String {
+    let decimals = decimals(expanded);
+    format!("{value:.decimals$} ± {expanded:.decimals$} {unit}").trim_end().to_owned()
+}
+
+/// In the number's own prefix: `319 ± 12 mN`.
+pub(super) fn with_expanded(value: f64, expanded: f64, unit: &str) -> String {
+    let shown = engineering(value, unit, 6);
+    let Some((number, prefixed)) = shown.split_once(' ') else { return shown };
+    let Ok(mantissa) = number.parse::<f64>() else { return shown };
+    if mantissa == 0.0 || !expanded.is_finite() {
+        return engineering(value, unit, 4);
+    }
+    let scale = 10f64.powf((mantissa / value).log10().round());
+    plus_minus(value * scale, expanded * scale, prefixed)
 }

@@ -1,11 +1,12 @@
 //! A transfer function with its coherence as a page of text and as a picture.
 
-use super::chart::{Under, charts_over};
-use super::plot::{Curve, Label, braille};
-use super::spectrum::band_marks;
+use serde::{Serialize, Serializer};
+
+use super::plot::{Plot, Series, Sheet, terminal};
+use super::spectrum::{band_edges, band_marks};
 use super::table;
 use crate::analysis::dispersion::DiatomicChain;
-use crate::analysis::transfer::TransferFunction;
+use crate::analysis::transfer::{TransferBin, TransferFunction};
 use crate::numeric::intervals::NORMAL_95;
 use crate::quantity::engineering;
 
@@ -27,21 +28,84 @@ pub struct TransferPage {
     pub shots: usize,
     /// The window of its segments, in words.
     pub window: String,
-    /// The chain around the sensors, where the recording tells.
+    /// The chain around the sensors, if the recording has a scene.
     pub chain: Option<DiatomicChain>,
     /// Notes for the reader.
     pub notes: Vec<String>,
 }
 
+/// The transfer function in one band of frequencies.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BandRow {
+    /// Name of the band.
+    pub name: &'static str,
+    /// Lower edge (Hz).
+    pub from_hz: f64,
+    /// Upper edge (Hz).
+    pub to_hz: f64,
+    /// Share of the input's power (1).
+    pub input_share: f64,
+    /// Gain `|H|` (1).
+    pub gain: f64,
+    /// The same in decibels; `None` for a gain of zero (dB).
+    pub gain_db: Option<f64>,
+    /// Coherence (1).
+    pub coherence: f64,
+}
+
+impl Serialize for TransferPage {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct Fields<'a> {
+            signals: &'a str,
+            shots: usize,
+            segments: usize,
+            samples: usize,
+            window: &'a str,
+            step_hz: f64,
+            chance_coherence: f64,
+            bands: Vec<BandRow>,
+            gain: Vec<f64>,
+            gain_u: Vec<Option<f64>>,
+            phase_rad: Vec<f64>,
+            coherence: Vec<f64>,
+            notes: &'a [String],
+            #[serde(flatten, serialize_with = "band_edges")]
+            chain: Option<DiatomicChain>,
+        }
+        let found = &self.found;
+        let column = |of: fn(&TransferBin) -> f64| found.bins.iter().map(of).collect();
+        // Without any coherence the gain is unknown.
+        let gain_u = found.bins.iter().map(|bin| Some(bin.gain_u).filter(|u| *u < f64::INFINITY));
+        Fields {
+            signals: &self.title,
+            shots: self.shots,
+            segments: found.segments,
+            samples: found.length,
+            window: &self.window,
+            step_hz: found.step,
+            chance_coherence: found.chance_coherence(),
+            bands: self.rows(),
+            gain: column(|bin| bin.gain),
+            gain_u: gain_u.collect(),
+            phase_rad: column(|bin| bin.phase),
+            coherence: column(|bin| bin.coherence),
+            notes: &self.notes,
+            chain: self.chain,
+        }
+        .serialize(serializer)
+    }
+}
+
 /// `|H|` on a logarithmic scale (dB).
-pub fn decibels(gain: f64) -> f64 {
+fn decibels(gain: f64) -> f64 {
     20.0 * gain.log10()
 }
 
 impl TransferPage {
     /// Bands of the chain with their names and edges (Hz); one, up to the highest that is drawn,
     /// where the chain is not known.
-    pub fn bands(&self) -> Vec<(&'static str, [f64; 2])> {
+    fn bands(&self) -> Vec<(&'static str, [f64; 2])> {
         match &self.chain {
             Some(chain) => {
                 let (f1, f2, f3) = (chain.gap_bottom(), chain.gap_top(), chain.cutoff());
@@ -58,42 +122,59 @@ impl TransferPage {
         }
     }
 
-    fn curve(&self, y: Label, of: &dyn Fn(usize) -> f64) -> Curve {
-        let end = self.chain.map_or(SHOWN_FREQUENCY, |chain| BAND_MARGIN * chain.cutoff());
-        // The mean of each segment is taken out.
-        let bins = self.found.bins.iter().enumerate().skip(1);
-        let bins = bins.take_while(|(_, bin)| bin.frequency <= end);
-        Curve {
-            points: bins.map(|(index, bin)| (bin.frequency, of(index))).collect(),
-            marks: self.chain.iter().flat_map(band_marks).collect(),
-            x: Label::new("frequency", "Hz"),
-            y,
-        }
-    }
-
-    fn gain_curve(&self, deviations: f64) -> Curve {
-        let gain = |index: usize| {
-            let bin = &self.found.bins[index];
-            decibels((bin.gain + deviations * NORMAL_95 * bin.gain_u).max(0.0)).max(LOWEST_GAIN)
+    fn rows(&self) -> Vec<BandRow> {
+        let row = |(name, [low, high]): (&'static str, [f64; 2])| {
+            let band = self.found.between(low, high)?;
+            Some(BandRow {
+                name,
+                from_hz: low,
+                to_hz: high,
+                input_share: band.input_share,
+                gain: band.gain,
+                gain_db: (band.gain != 0.0).then(|| decibels(band.gain)),
+                coherence: band.coherence,
+            })
         };
-        self.curve(Label::new("gain |H|", "dB"), &|index| gain(index).min(-LOWEST_GAIN))
+        self.bands().into_iter().filter_map(row).collect()
     }
 
-    fn coherence_curve(&self) -> Curve {
-        self.curve(Label::new("coherence", ""), &|index| self.found.bins[index].coherence)
+    /// Points of the bins that are shown, by a function of the bin.
+    fn points(&self, of: &dyn Fn(&TransferBin) -> f64) -> Vec<(f64, f64)> {
+        let end = self.chain.map_or(SHOWN_FREQUENCY, |chain| BAND_MARGIN * chain.cutoff());
+        // The mean of each segment is subtracted: the first bin is empty.
+        let bins = self.found.bins.iter().skip(1).take_while(|bin| bin.frequency <= end);
+        bins.map(|bin| (bin.frequency, of(bin))).collect()
     }
 
-    /// Gain with its expanded uncertainty and coherence over frequency, the gap's edges marked.
-    pub fn picture(&self) -> String {
-        let around = [-1.0, 1.0].map(|sign| self.gain_curve(sign).points).to_vec();
-        let coherence = self.coherence_curve();
-        let ends = coherence.points.first().zip(coherence.points.last());
+    /// The gain (dB), `deviations` expanded uncertainties above, within what is drawn.
+    fn gain(&self, deviations: f64) -> Vec<(f64, f64)> {
+        self.points(&|bin| {
+            let gain = bin.gain + deviations * NORMAL_95 * bin.gain_u;
+            decibels(gain.max(0.0)).clamp(LOWEST_GAIN, -LOWEST_GAIN)
+        })
+    }
+
+    /// Gain with its expanded uncertainty, and coherence, over frequency, the gap's edges marked.
+    fn plots(&self) -> [Plot; 2] {
+        let coherence = self.points(&|bin| bin.coherence);
+        let ends = coherence.first().zip(coherence.last());
         let limit = self.found.chance_coherence();
         let name = format!("5 % of unrelated signals are above {limit:.2}");
         let line = ends.map_or(Vec::new(), |(first, last)| vec![(first.0, limit), (last.0, limit)]);
-        let around = vec![Under::new("95 %", around)];
-        let limit = vec![Under::new(&name, vec![line])];
-        charts_over(&[(self.gain_curve(0.0), around), (coherence, limit)], &self.title)
+        let around = Series::area("95 %", &self.gain(-1.0), &self.gain(1.0));
+        [
+            (["gain |H|", "dB"], around, self.gain(0.0)),
+            (["coherence", ""], Series::behind(&name, line), coherence),
+        ]
+        .map(|(y, behind, points)| {
+            Plot::fitted(["frequency", "Hz"], y, vec![behind, Series::main(points)])
+                .with_marks(self.chain.iter().flat_map(band_marks).collect())
+        })
+    }
+
+    /// The picture.
+    pub fn picture(&self) -> Sheet {
+        Sheet::stack(self.title.as_str(), self.plots().to_vec())
     }
 
     /// The page that `transfer` prints.
@@ -119,22 +200,22 @@ impl TransferPage {
         ];
         let mut rows =
             vec![["", "from", "to", "input power", "|H|", "coherence"].map(str::to_owned).to_vec()];
-        for (name, [low, high]) in self.bands() {
-            let Some(band) = found.between(low, high) else { continue };
-            rows.push(vec![
-                name.to_owned(),
-                hertz(low),
-                hertz(high),
+        rows.extend(self.rows().into_iter().map(|band| {
+            vec![
+                band.name.to_owned(),
+                hertz(band.from_hz),
+                hertz(band.to_hz),
                 format!("{:.1} %", 100.0 * band.input_share),
-                format!("{:.1} dB", decibels(band.gain)),
+                band.gain_db.map_or("-".to_owned(), |gain| format!("{gain:.1} dB")),
                 format!("{:.3}", band.coherence),
-            ]);
-        }
+            ]
+        }));
         lines.extend(table::lines(&rows, &[0]));
         lines.push(String::new());
-        lines.extend(braille(&self.gain_curve(0.0)));
+        let [gain, coherence] = self.plots();
+        lines.extend(terminal(&gain));
         lines.push(String::new());
-        lines.extend(braille(&self.coherence_curve()));
+        lines.extend(terminal(&coherence));
         lines.extend(self.notes.iter().map(|note| format!("  note        {note}")));
         lines.join("\n")
     }

@@ -1,7 +1,10 @@
 //! Maps of what a chain lets pass over one of a scene's numbers: shades and numbers for a terminal,
 //! sheets for a picture.
 
-use super::sheet::{Axis, COLOURS, Plot, Polyline, ShadedMap, Sheet, Stroke, sheet_svg};
+use serde::{Serialize, Serializer};
+
+use super::plot::{Axis, COLOURS, Plot, Series, ShadedMap, Sheet, Stroke, terminal};
+use super::spectrum::band_edges;
 use super::table;
 use crate::analysis::dispersion::DiatomicChain;
 use crate::quantity::engineering;
@@ -11,12 +14,8 @@ use crate::studies::tunability::{TunedPoint, Tuning};
 const MAX_FREQUENCY: f64 = 20e3;
 /// Range of the shades below the highest of each column (dB).
 const DYNAMIC_RANGE: f64 = 60.0;
-/// Rows of the map in a terminal and in a picture.
-const MAP_ROWS: (usize, usize) = (16, 100);
-/// Characters across the map in a terminal.
-const MAP_COLUMNS: usize = 64;
-/// Shades from nothing to the highest.
-const SHADES: [char; 5] = [' ', '░', '▒', '▓', '█'];
+/// Rows of the map.
+const MAP_ROWS: usize = 100;
 /// Rows of numbers below a map.
 const NUMBER_ROWS: usize = 7;
 
@@ -43,11 +42,57 @@ pub fn transmitted(point: &TunedPoint, rows: usize) -> Vec<f64> {
         .collect()
 }
 
-fn shares(point: &TunedPoint, rows: usize) -> Vec<f64> {
-    transmitted(point, rows)
-        .into_iter()
-        .map(|db| (1.0 + db / DYNAMIC_RANGE).clamp(0.0, 1.0))
-        .collect()
+/// Bands of frequency in JSON, each 500 Hz wide.
+const BANDS: usize = 40;
+
+/// Page of `tunability`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TunabilityPage {
+    /// Name of the scene.
+    pub scene: String,
+    /// Title of the page.
+    #[serde(skip)]
+    pub title: String,
+    /// Each number over its range.
+    #[serde(rename = "numbers", serialize_with = "numbers_json")]
+    pub tunings: Vec<Tuning>,
+}
+
+fn numbers_json<S: Serializer>(tunings: &[Tuning], serializer: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Point {
+        value: f64,
+        #[serde(flatten, serialize_with = "band_edges")]
+        chain: Option<DiatomicChain>,
+        long_wave_speed_m_per_s: Option<f64>,
+        pulse_speed_m_per_s: Option<f64>,
+        first_peak_ratio: Option<f64>,
+        transmitted_db_per_500_hz: Vec<f64>,
+    }
+    #[derive(Serialize)]
+    struct Number<'a> {
+        path: &'a str,
+        unit: &'a str,
+        now: f64,
+        points: Vec<Point>,
+    }
+    let point = |point: &TunedPoint, scale: f64| Point {
+        value: point.value / scale,
+        chain: point.chain,
+        long_wave_speed_m_per_s: point.chain.map(|chain| chain.sound_speed()),
+        pulse_speed_m_per_s: point.pulse_speed,
+        first_peak_ratio: point.transmission,
+        transmitted_db_per_500_hz: transmitted(point, BANDS),
+    };
+    serializer.collect_seq(tunings.iter().map(|tuning| {
+        let number = &tuning.number;
+        Number {
+            path: &number.path,
+            unit: &number.unit,
+            now: number.now() / number.scale,
+            points: tuning.points.iter().map(|at| point(at, number.scale)).collect(),
+        }
+    }))
 }
 
 /// The page that `tunability` prints.
@@ -56,14 +101,13 @@ pub fn tunability(title: &str, tunings: &[Tuning]) -> String {
     for tuning in tunings {
         lines.push(String::new());
         lines.push(heading(tuning));
-        lines.extend(map(tuning));
+        lines.extend(terminal(&map_panel(tuning)));
         lines.extend(numbers(tuning));
     }
     lines.push(String::new());
     lines.push(format!(
-        "shades: spectrum at the last sensor up to {:.0} kHz, each {:.0} dB, nothing is {DYNAMIC_RANGE:.0} dB below the highest line of its column; 1, 2, 3: band edges of the linear chain",
-        1e-3 * MAX_FREQUENCY,
-        DYNAMIC_RANGE / 5.0
+        "shades: spectrum at the last sensor up to {:.0} kHz, from dark to nothing {DYNAMIC_RANGE:.0} dB below the highest line of its column; 1, 2, 3: band edges of the linear chain",
+        1e-3 * MAX_FREQUENCY
     ));
     lines.join("\n")
 }
@@ -76,41 +120,6 @@ fn heading(tuning: &Tuning) -> String {
 /// A value of the number with its unit.
 fn value(tuning: &Tuning, value: f64) -> String {
     engineering(value / tuning.number.scale, &tuning.number.unit, 3)
-}
-
-fn map(tuning: &Tuning) -> Vec<String> {
-    let rows = MAP_ROWS.0;
-    let columns: Vec<Vec<char>> = (0..MAP_COLUMNS)
-        .filter_map(|column| tuning.points.get(column * tuning.points.len() / MAP_COLUMNS))
-        .map(|point| {
-            let shade =
-                |share: f64| SHADES[((share * SHADES.len() as f64) as usize).min(SHADES.len() - 1)];
-            let mut column: Vec<char> = shares(point, rows).into_iter().map(shade).collect();
-            for ((_, edge), sign) in EDGES.iter().zip(['1', '2', '3']) {
-                let row = point.chain.map(|chain| edge(&chain) / MAX_FREQUENCY * rows as f64);
-                if let Some(cell) = row.and_then(|row| column.get_mut(row as usize)) {
-                    *cell = sign;
-                }
-            }
-            column
-        })
-        .collect();
-    let mut lines = Vec::new();
-    for row in (0..rows).rev() {
-        let line: String = columns.iter().filter_map(|column| column.get(row)).collect();
-        let label = match row {
-            _ if row + 1 == rows => engineering(MAX_FREQUENCY, "Hz", 2),
-            0 => "0".to_owned(),
-            _ => String::new(),
-        };
-        lines.push(format!("  {label:>7} │{line}│"));
-    }
-    let ends = [tuning.points.first(), tuning.points.last()];
-    let [from, to] = ends.map(|point| point.map_or_else(String::new, |p| value(tuning, p.value)));
-    let gap = MAP_COLUMNS.saturating_sub(from.chars().count() + to.chars().count());
-    lines.push(format!("  {:7} └{}┘", "", "─".repeat(MAP_COLUMNS)));
-    lines.push(format!("  {:7}  {from}{}{to}", "", " ".repeat(gap)));
-    lines
 }
 
 fn numbers(tuning: &Tuning) -> Vec<String> {
@@ -136,18 +145,10 @@ fn numbers(tuning: &Tuning) -> Vec<String> {
     table::lines(&rows, &[])
 }
 
-/// The map as a picture: for each number what arrives with the band edges, and beside it the
-/// speeds.
-pub fn tunability_svg(title: &str, tunings: &[Tuning]) -> String {
+/// The maps as a picture: for each number the spectrum with the band edges, beside it the speeds.
+pub fn tunability_picture(title: &str, tunings: &[Tuning]) -> Sheet {
     let panels = tunings.iter().flat_map(|tuning| [map_panel(tuning), speed_panel(tuning)]);
-    sheet_svg(&Sheet {
-        title: title.to_owned(),
-        columns: 2,
-        size: (430.0, 210.0),
-        panels: panels.collect(),
-        legend: Vec::new(),
-        note: String::new(),
-    })
+    Sheet { columns: 2, size: (430.0, 210.0), ..Sheet::stack(title, panels.collect()) }
 }
 
 /// The axis of a number, and the factor from SI units to its unit.
@@ -173,19 +174,12 @@ fn map_panel(tuning: &Tuning) -> Plot {
         x,
         Axis::linear("frequency (kHz)", 0.0, 1e-3 * MAX_FREQUENCY),
     );
-    panel.map = Some(ShadedMap {
-        columns: tuning.points.iter().map(|point| shares(point, MAP_ROWS.1)).collect(),
-        shades: [format!("-{DYNAMIC_RANGE:.0} dB"), "0 dB".to_owned()],
-    });
+    let columns: Vec<Vec<f64>> =
+        tuning.points.iter().map(|point| transmitted(point, MAP_ROWS)).collect();
+    panel.map = Some(ShadedMap::decibels(&columns, DYNAMIC_RANGE));
     for ((name, edge), colour) in EDGES.into_iter().zip([1, 3, 4]) {
         let points = curve(tuning, factor, &|point| Some(1e-3 * edge(&point.chain?)));
-        let name = name.to_owned();
-        panel.lines.push(Polyline {
-            name,
-            points,
-            colour: COLOURS[colour],
-            stroke: Stroke::Dashed,
-        });
+        panel.lines.push(Series::new(name, points, COLOURS[colour], Stroke::Dashed));
     }
     panel
 }
@@ -208,14 +202,9 @@ fn speed_panel(tuning: &Tuning) -> Plot {
         x,
         Axis::linear("speed (m/s)", 0.0, 1.3 * top),
     );
-    panel.lines = lines
+    let series = lines
         .into_iter()
-        .map(|(name, points, colour, stroke)| Polyline {
-            name: name.to_owned(),
-            points,
-            colour: COLOURS[colour],
-            stroke,
-        })
-        .collect();
+        .map(|(name, points, colour, stroke)| Series::new(name, points, COLOURS[colour], stroke));
+    panel.lines = series.collect();
     panel
 }

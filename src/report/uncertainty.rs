@@ -1,10 +1,9 @@
 //! Intervals, bands and budgets of uncertain scenes, and normalised errors, as pages of text and
 //! pictures.
 
-use super::chart::{Under, charts_over};
-use super::number::with_expanded;
-use super::plot::{Curve, Label};
+use super::plot::{Axis, COLOURS, Plot, Series, Sheet, Stroke, trace_points};
 use super::table;
+use super::table::with_expanded;
 use super::text::hanging_indent;
 use crate::predict::{
     InputMove, InputShare, NormalisedError, OutputInterval, TraceBand, UncertainPrediction,
@@ -118,7 +117,7 @@ fn budget_lines(output: &OutputInterval) -> Vec<String> {
 }
 
 /// The value with its `±`, or where its interval lies beside it, with the interval's ends.
-pub(super) fn interval(output: &OutputInterval) -> String {
+fn interval(output: &OutputInterval) -> String {
     let shown = |value: f64| engineering(value, output.unit, 5);
     let [low, high] = output.interval_95;
     if output.is_one_sided() {
@@ -128,35 +127,67 @@ pub(super) fn interval(output: &OutputInterval) -> String {
     }
 }
 
+/// Colours of the other inputs, and of what is not linear.
+const REST: [(&str, &str); 2] = [("other inputs", "#b0b0b0"), ("not linear", "#e4e4e4")];
+
+/// Share of the variance of `output` that the input `name` carries (1).
+fn share_of(output: &OutputInterval, name: &str) -> f64 {
+    output.inputs.iter().find(|input| input.input == name).map_or(0.0, |input| input.share)
+}
+
+/// The budget as a picture: a bar for each output, divided among the inputs that carry its
+/// variance.
+pub fn budget_picture(found: &UncertainPrediction) -> Sheet {
+    let total =
+        |name: &str| -> f64 { found.outputs.iter().map(|output| share_of(output, name)).sum() };
+    let mut inputs: Vec<&str> = found.inputs.iter().map(|input| input.name.as_str()).collect();
+    inputs.sort_by(|a, b| total(b).total_cmp(&total(a)));
+    inputs.truncate(COLOURS.len());
+    let names = inputs.iter().copied().zip(COLOURS).chain(REST);
+    let mut legend: Vec<Series> =
+        names.map(|(name, colour)| Series::new(name, Vec::new(), colour, Stroke::Bars)).collect();
+    for (row, output) in found.outputs.iter().enumerate() {
+        let mut shares: Vec<f64> = inputs.iter().map(|name| share_of(output, name)).collect();
+        let named: f64 = shares.iter().sum();
+        shares.extend([(output.explained - named).max(0.0), 1.0 - output.explained]);
+        let mut from = 0.0;
+        for (series, share) in legend.iter_mut().zip(shares) {
+            let to = (from + 100.0 * share).clamp(from, 100.0);
+            series.points.extend([(from, row as f64), (to, row as f64)]);
+            from = to;
+        }
+    }
+    let names = found.outputs.iter().map(|output| output.name.clone());
+    let mut plot = Plot::of_rows(Axis::linear("share of the variance (%)", 0.0, 100.0), names);
+    plot.beside =
+        found.outputs.iter().enumerate().map(|(row, o)| (row as f64, interval(o))).collect();
+    let unnamed = |series: &Series| Series { name: String::new(), ..series.clone() };
+    plot.lines = legend.iter().map(unnamed).collect();
+    legend.iter_mut().for_each(|series| series.points.clear());
+    let sheet = Sheet::rows(format!("{}: shares of the variance", found.scene), plot);
+    Sheet { legend, ..sheet }
+}
+
 /// All channels with their bands, as a picture.
-pub fn bands_picture(bands: &[TraceBand], title: &str) -> String {
+pub fn bands_picture(bands: &[TraceBand], title: &str) -> Sheet {
     let panel = |band: &TraceBand| {
-        let time = |index: usize| band.start_s + index as f64 * band.interval_s;
         let points = |values: &[f64]| -> Vec<(f64, f64)> {
+            let time = |index: usize| band.start_s + index as f64 * band.interval_s;
             values.iter().enumerate().map(|(index, volts)| (time(index), *volts)).collect()
         };
-        let edges = vec![points(&band.low_v), points(&band.high_v)];
-        (
-            voltage(&band.channel, points(&band.nominal_v)),
-            vec![Under::new("95 % of the traces", edges)],
-        )
+        let [low, high] = [&band.low_v, &band.high_v].map(|edge| points(edge));
+        let area = Series::area("95 % of the traces", &low, &high);
+        Plot::over_time([&band.channel, "V"], points(&band.nominal_v), vec![area])
     };
-    charts_over(&bands.iter().map(panel).collect::<Vec<_>>(), title)
+    Sheet::stack(title, bands.iter().map(panel).collect())
 }
 
 /// What the scope recorded of a shot, as a picture.
-pub fn shot_picture(shot: &Shot, title: &str) -> String {
-    let traces = shot.captures.iter().filter_map(Capture::trace);
-    let panel = |trace: Trace| {
-        let points = trace.values.iter().enumerate().map(|(i, volts)| (trace.time(i), *volts));
-        (voltage(&trace.name, points.collect()), Vec::new())
-    };
-    charts_over(&traces.map(panel).collect::<Vec<_>>(), title)
-}
-
-fn voltage(channel: &str, points: Vec<(f64, f64)>) -> Curve {
-    let (x, y) = (Label::new("time after the trigger", "s"), Label::new(channel, "V"));
-    Curve { points, marks: Vec::new(), x, y }
+pub fn shot_picture(shot: Option<&Shot>, title: &str) -> Sheet {
+    let traces = shot.into_iter().flat_map(|shot| &shot.captures).filter_map(Capture::trace);
+    let panel =
+        |trace: Trace| Plot::over_time([&trace.name, "V"], trace_points(&trace), Vec::new());
+    Sheet::stack(title, traces.map(panel).collect())
 }
 
 /// Normalised errors as lines of `compare`.
@@ -197,30 +228,45 @@ pub fn normalised_error_lines(errors: &[NormalisedError]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::random_inputs::RandomInput;
 
-    /// Both edges of the area keep their waves: they are thinned one by one, each from left to
-    /// right.
+    /// Half, a quarter, and a quarter that is not linear: together 100 %.
     #[test]
-    fn a_band_has_two_edges() {
-        let wave = |by: f64| (0..5000).map(|i| by + (f64::from(i) / 300.0).sin()).collect();
-        let band = TraceBand {
-            channel: "CH1".to_owned(),
-            start_s: 0.0,
-            interval_s: 1e-6,
-            nominal_v: wave(0.0),
-            low_v: wave(-0.5),
-            high_v: wave(0.5),
-            clipped_share: 0.0,
+    fn a_bar_is_divided_by_shares() {
+        let input = |name: &str| RandomInput {
+            name: name.to_owned(),
+            value: 1.0,
+            unit: String::new(),
+            u: 0.1,
+            source: None,
         };
-        let svg = bands_picture(&[band], "a band");
-        let area = svg.lines().find(|line| line.contains("Z\"")).expect("an area");
-        let places =
-            area.split(['M', 'L']).filter_map(|place| place.split('Z').next()?.split_once(' '));
-        let mut heights: Vec<f64> =
-            places.filter_map(|(_, y)| y.split('"').next()?.parse().ok()).collect();
-        heights.dedup();
-        let turns = heights.windows(3).filter(|h| (h[1] - h[0]) * (h[2] - h[1]) < 0.0).count();
-        // 5000 samples of a wave of 2 pi 300 samples turn five times on each edge.
-        assert!((8..=12).contains(&turns), "{turns}");
+        let share = |name: &str, share| InputShare { input: name.to_owned(), change: 1.0, share };
+        let output = OutputInterval {
+            name: "a peak".to_owned(),
+            unit: "N",
+            value: 3.0,
+            as_run: 3.0,
+            u: 0.05,
+            expanded: 0.1,
+            interval_95: [2.9, 3.1],
+            explained: 0.75,
+            inputs: vec![share("speed", 0.5), share("mass", 0.25)],
+        };
+        let found = UncertainPrediction {
+            scene: "bench".to_owned(),
+            samples: 20,
+            seed: 1,
+            failed: 0,
+            wall_s: 0.1,
+            inputs: vec![input("mass"), input("speed")],
+            outputs: vec![output],
+            bands: Vec::new(),
+        };
+        let sheet = budget_picture(&found);
+        let names: Vec<&str> = sheet.legend.iter().map(|series| series.name.as_str()).collect();
+        assert_eq!(names, ["speed", "mass", "other inputs", "not linear"]);
+        let ends = sheet.panels[0].lines.iter().map(|series| series.points[1].0);
+        assert_eq!(ends.collect::<Vec<_>>(), [50.0, 75.0, 75.0, 100.0]);
+        assert_eq!(sheet.panels[0].beside, [(0.0, "3.00 ± 0.10 N".to_owned())]);
     }
 }

@@ -39,7 +39,7 @@ const MAX_STRATA: u64 = 50_000_000;
 
 table! {
     /// The file.
-    pub(super) struct SweepKeys<'a> {
+    pub struct SweepKeys<'a> {
         title: &'a str = text(),
         /// an included scene, or a .toml file beside this one
         scene: &'a str =
@@ -61,7 +61,7 @@ table! {
 
 table! {
     /// `[random]` or `[latin_hypercube]`.
-    pub(super) struct SampleKeys<'a> {
+    pub struct SampleKeys<'a> {
         count: u64 = count(1, MAX_RUNS).required(),
         over: &'a Node = any(&[]),
     }

@@ -324,6 +324,25 @@ fn remove_model(table: &mut Node, kind: &str) {
     }
 }
 
+/// Whether the file `kind/name` is included in the program.
+pub fn is_shipped(kind: &str, name: &str) -> bool {
+    data::instrument(kind, name).is_some()
+}
+
+/// Removes the names of models that are not included in the program; their numbers stay.
+pub fn remove_other_models(root: &mut Node) {
+    for (path, rule) in RULES {
+        let MergeRule::Model(kind) = rule else { continue };
+        for_each(root, path, &mut Vec::new(), &mut |entry, _| {
+            let is_other =
+                entry.node.text("model").is_some_and(|(name, _)| !is_shipped(kind, name));
+            if let Some(entries) = entry.node.entries_mut().filter(|_| is_other) {
+                entries.remove("model");
+            }
+        });
+    }
+}
+
 /// Replaces the model of the table that `keys` without the last lead to, if they lead to the
 /// `model` of one; the scene's own keys stay.
 ///
@@ -459,6 +478,8 @@ pub struct Texts {
     all: Vec<Arc<str>>,
     /// Their hash, computed on first use.
     hash: OnceLock<String>,
+    /// All of them merged, as one scene.
+    merged: Option<Arc<str>>,
 }
 
 impl PartialEq for Texts {
@@ -472,6 +493,17 @@ impl Texts {
     fn add(&mut self, text: &Arc<str>) {
         self.all.push(Arc::clone(text));
         self.hash = OnceLock::new();
+    }
+
+    /// All of them merged, as a scene that is based on no other file; none of a scene whose values
+    /// were changed after it was read.
+    pub fn merged(&self) -> Option<&str> {
+        self.merged.as_deref()
+    }
+
+    /// Sets the merged scene.
+    pub(super) fn set_merged(&mut self, merged: Option<&str>) {
+        self.merged = merged.map(Into::into);
     }
 
     /// SHA-256 over all of them, in hexadecimal; computed on first use, since a run that keeps no

@@ -106,7 +106,16 @@ impl Scene {
     /// # Errors
     /// [`SceneError`]: no such scene, not readable, or every problem found in it.
     pub fn load(name: impl AsRef<Path>) -> Result<Self, SceneError> {
-        Self::checked(library::load(name.as_ref())?, None)
+        Self::checked(with_merged(library::load(name.as_ref())?), None)
+    }
+
+    /// The text of scene `name`, an included one or a path, with its base and every default.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn resolved(name: impl AsRef<Path>) -> Result<String, SceneError> {
+        Self::load(name.as_ref())?;
+        resolved::resolved(name.as_ref())
     }
 
     /// Reads a scene that came as text, such as the one in a recording, as `file`.
@@ -114,7 +123,7 @@ impl Scene {
     /// # Errors
     /// As [`Scene::load`]; also if it is based on a file of another machine.
     pub fn from_text(name: &str, file: &str, text: &str) -> Result<Self, SceneError> {
-        Self::checked(library::load_text(name, file, text)?, None)
+        Self::checked(with_merged(library::load_text(name, file, text)?), None)
     }
 
     /// Checks a loaded scene; the front panel is `panel` if nothing that it depends on has changed.
@@ -153,6 +162,13 @@ pub fn oscilloscope(name: &str) -> Result<Model, SceneError> {
     let table = TableReader::of(&node, "", &[PanelKeys::KEYS, ModelKeys::KEYS], &problems);
     let model = table.and_then(|table| oscilloscope::model(&table));
     problems.finish(model).map_err(SceneError::Problems)
+}
+
+/// Adds the merged scene, which travels with recordings.
+fn with_merged(mut loaded: library::LoadedScene) -> library::LoadedScene {
+    let merged = resolved::merged(&loaded);
+    loaded.texts.set_merged(merged.as_deref());
+    loaded
 }
 
 fn read(

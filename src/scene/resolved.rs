@@ -16,9 +16,9 @@ use super::grid::SweepKeys;
 use super::library::{self, LoadedScene};
 use super::plan::PlanKeys;
 use super::plan::lab::LabKeys;
+use super::problem::SceneError;
 use super::root::RootKeys;
 use super::table::{Key, Keys, Kind, key_at, keys_at};
-use super::{Scene, SceneError};
 use crate::data;
 
 /// File of a value that no file has.
@@ -27,13 +27,11 @@ const DEFAULT: &str = "default";
 /// The scene `name`, an included one or a path, as a scene without a base.
 ///
 /// # Errors
-/// [`SceneError`] as [`Scene::load`].
-pub fn resolved(name: impl AsRef<Path>) -> Result<String, SceneError> {
-    let name = name.as_ref();
-    let scene = Scene::load(name)?;
-    let LoadedScene { mut root, .. } = library::load(name)?;
+/// [`SceneError`] if there is no such scene, or its text is no TOML; its values are not checked.
+pub(super) fn resolved(name: &Path) -> Result<String, SceneError> {
+    let LoadedScene { name, mut root, .. } = library::load(name)?;
     let own = root.place.file().to_owned();
-    let model = at(&root, &["scope", "model"]).and_then(Node::as_text).map(str::to_owned);
+    let model = model_of(&root);
     if let Some(entries) = root.entries_mut() {
         entries.remove("base");
     }
@@ -44,7 +42,7 @@ pub fn resolved(name: impl AsRef<Path>) -> Result<String, SceneError> {
     if let Ok(default) = Node::parse(DEFAULT, "") {
         add_defaults(&mut root, &[RootKeys::KEYS], &default);
     }
-    let mut page = format!("# {}, with its base and every default\n", scene.name);
+    let mut page = format!("# {name}, with its base and every default\n");
     Writer { own }.table(&mut page, &[], &root);
     let is_there = |effect: &str| at(&root, &["effects", effect]).is_some();
     let effects = EffectsKeys::KEYS.iter().chain(LOSS_KEYS).map(|key| key.name);
@@ -59,6 +57,30 @@ pub fn resolved(name: impl AsRef<Path>) -> Result<String, SceneError> {
         let _ = writeln!(page, "# the scope's own numbers: hertzscope list scopes {model}");
     }
     Ok(page)
+}
+
+/// A scene with everything it is based on, as a scene that is based on no other file.
+///
+/// Models that are included in the program keep their names; of those from other files the numbers stay.
+/// None for a scope from another file: its numbers are read from a scope's file only.
+pub(super) fn merged(loaded: &LoadedScene) -> Option<String> {
+    let mut root = loaded.root.clone();
+    let own = root.place.file().to_owned();
+    let scope = model_of(&root);
+    if let Some(entries) = root.entries_mut() {
+        entries.remove("base");
+    }
+    add_materials(&mut root);
+    if let Some(model) = scope {
+        if !library::is_shipped("", &model) {
+            return None;
+        }
+        remove_model_numbers(&mut root, &model);
+    }
+    library::remove_other_models(&mut root);
+    let mut page = format!("# {}, with everything it is based on\n", loaded.name);
+    Writer { own }.table(&mut page, &[], &root);
+    Some(page)
 }
 
 /// The annotated page of a `scene`, `plan`, `lab` (laboratory) or `grid` (sweep), with every key;
@@ -171,6 +193,11 @@ fn add_materials(root: &mut Node) {
             put(root, &["materials", &name], below);
         }
     }
+}
+
+/// The name of the scope's model.
+fn model_of(root: &Node) -> Option<String> {
+    at(root, &["scope", "model"]).and_then(Node::as_text).map(str::to_owned)
 }
 
 /// Removes the numbers of the scope's file: its model brings them back.

@@ -115,14 +115,14 @@ impl BenchHandle {
         self.under_way = self.orders.try_send(order).is_ok();
     }
 
-    /// Waits for what a strike brings.
+    /// Waits for the signals of a strike.
     ///
     /// # Errors
-    /// [`ServeError::BenchLost`] where the thread is no more.
-    pub async fn struck(&mut self) -> Result<StrikeSignals, ServeError> {
-        let struck = self.signals.recv().await;
+    /// [`ServeError::BenchLost`] if the thread has ended.
+    pub async fn signals(&mut self) -> Result<StrikeSignals, ServeError> {
+        let signals = self.signals.recv().await;
         self.under_way = false;
-        struck.ok_or(ServeError::BenchLost)
+        signals.ok_or(ServeError::BenchLost)
     }
 }
 

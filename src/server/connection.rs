@@ -14,7 +14,7 @@ use tokio::sync::{mpsc, oneshot};
 /// Delay before accepting again after an error, e.g. when file handles have run out.
 pub const ACCEPT_RETRY_DELAY: Duration = Duration::from_millis(20);
 /// Longest piece of input that is handed on at once (bytes).
-const PIECE: usize = 1024;
+const READ_BUFFER: usize = 1024;
 /// Time without a byte after which the system asks whether the client is there.
 const KEEPALIVE_TIME: Duration = Duration::from_secs(60);
 /// Time from one such question to the next.
@@ -23,7 +23,7 @@ const KEEPALIVE_INTERVAL: Duration = Duration::from_secs(5);
 const WRITE_TIMEOUT: Duration = Duration::from_secs(10);
 /// Answers that wait for the socket. One belongs to the last piece, others come from acquisitions
 /// that ended.
-const ANSWERS: usize = 64;
+const REPLY_QUEUE_CAPACITY: usize = 64;
 
 /// The protocol of a connection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -111,13 +111,13 @@ pub struct Connection {
 impl Connection {
     /// Copies bytes until either side closes the connection.
     /// Returns the client's address.
-    pub async fn run(self, news: mpsc::Sender<ConnectionEvent>) -> IpAddr {
+    pub async fn run(self, events: mpsc::Sender<ConnectionEvent>) -> IpAddr {
         let Self { number, protocol, peer, stream } = self;
-        let (answers, inbox) = mpsc::channel(ANSWERS);
-        if news.send(ConnectionEvent::Opened { number, protocol, peer, answers }).await.is_ok() {
+        let (answers, inbox) = mpsc::channel(REPLY_QUEUE_CAPACITY);
+        if events.send(ConnectionEvent::Opened { number, protocol, peer, answers }).await.is_ok() {
             // The client notices how the connection ends; nothing else depends on it.
-            let _ = exchange(stream, (number, protocol), &news, inbox).await;
-            let _ = news.send(ConnectionEvent::Closed { number }).await;
+            let _ = exchange(stream, (number, protocol), &events, inbox).await;
+            let _ = events.send(ConnectionEvent::Closed { number }).await;
         }
         peer.ip()
     }
@@ -128,17 +128,17 @@ impl Connection {
 const HTTP_METHODS: [&[u8]; 10] = [
     b"GET", b"POST", b"PUT", b"HEAD", b"OPTIONS", b"DELETE", b"PATCH", b"CONNECT", b"TRACE", b"PRI",
 ];
-/// Bytes that tell a request from a command.
-const TELLING_BYTES: usize = 10;
+/// Bytes at the beginning of a connection that distinguish a request from a command.
+const HTTP_PREFIX_LENGTH: usize = 10;
 
 /// The beginning of what a raw connection sends, until it is known to be no HTTP request.
 #[derive(Debug, Default)]
-struct Beginning {
+struct HttpFilter {
     bytes: Vec<u8>,
     is_known: bool,
 }
 
-impl Beginning {
+impl HttpFilter {
     /// Whether the connection begins with an HTTP request: a method, a blank, and what no command
     /// has as its argument. No command is executed before its line ends, so no part of a request
     /// is.
@@ -146,7 +146,7 @@ impl Beginning {
         if self.is_known {
             return false;
         }
-        let missing = TELLING_BYTES.saturating_sub(self.bytes.len());
+        let missing = HTTP_PREFIX_LENGTH.saturating_sub(self.bytes.len());
         self.bytes.extend(piece.iter().take(missing));
         let mut words = self.bytes.splitn(2, |byte| *byte == b' ');
         let is_method = words.next().is_some_and(|word| HTTP_METHODS.contains(&word));
@@ -154,7 +154,7 @@ impl Beginning {
         if is_method && target.is_some_and(|first| b"/*h[".contains(first)) {
             return true;
         }
-        self.is_known = self.bytes.len() >= TELLING_BYTES || piece.contains(&b'\n');
+        self.is_known = self.bytes.len() >= HTTP_PREFIX_LENGTH || piece.contains(&b'\n');
         false
     }
 }
@@ -171,38 +171,39 @@ fn keep_alive(stream: &TcpStream) -> io::Result<()> {
 async fn exchange(
     mut stream: TcpStream,
     (number, protocol): (u64, Protocol),
-    news: &mpsc::Sender<ConnectionEvent>,
+    events: &mpsc::Sender<ConnectionEvent>,
     mut inbox: mpsc::Receiver<OutgoingBytes>,
 ) -> io::Result<()> {
     // Clients give an unknown query a millisecond to stay silent.
     stream.set_nodelay(true)?;
     acknowledge(&stream)?;
     keep_alive(&stream)?;
-    let mut beginning = Beginning { is_known: protocol != Protocol::Raw, ..Beginning::default() };
-    let mut buffer = [0; PIECE];
-    let mut asked = false;
+    let mut http_filter =
+        HttpFilter { is_known: protocol != Protocol::Raw, ..HttpFilter::default() };
+    let mut buffer = [0; READ_BUFFER];
+    let mut reply_pending = false;
     loop {
         tokio::select! {
             answer = inbox.recv() => {
                 let Some(answer) = answer else { return Ok(()) };
                 write(&mut stream, &answer.bytes).await?;
-                asked &= !answer.to_piece;
+                reply_pending &= !answer.to_piece;
             }
-            length = stream.read(&mut buffer), if !asked => {
+            length = stream.read(&mut buffer), if !reply_pending => {
                 let bytes = buffer.get(..length?).unwrap_or_default().to_vec();
                 acknowledge(&stream)?;
-                if beginning.is_http(&bytes) {
+                if http_filter.is_http(&bytes) {
                     return Ok(());
                 }
                 // After the last piece nothing is read: the instrument task ends the connection
                 // when all is answered.
-                asked = true;
-                let heard = if bytes.is_empty() {
+                reply_pending = true;
+                let event = if bytes.is_empty() {
                     ConnectionEvent::Ended { number }
                 } else {
                     ConnectionEvent::Bytes { number, bytes }
                 };
-                if news.send(heard).await.is_err() {
+                if events.send(event).await.is_err() {
                     return Ok(());
                 }
             }

@@ -27,10 +27,10 @@ use crate::vxi11;
 /// Period at which the instrument is told the time.
 const TICK: Duration = Duration::from_millis(5);
 /// Shortest time from one strike to the next.
-const SHORTEST: Duration = Duration::from_millis(1);
+const MIN_STRIKE_INTERVAL: Duration = Duration::from_millis(1);
 /// How often records are made of the same signals when settings change meanwhile, before the
 /// signals are dropped.
-const MOST_ATTEMPTS: u32 = 5;
+const MAX_ATTEMPTS: u32 = 5;
 /// Time without a byte after which a connection gives way to another one where there is no room.
 const IDLE_TIME: Duration = Duration::from_secs(1);
 /// Time after which a connection that is closed for sending is dropped although an answer is
@@ -42,9 +42,9 @@ struct ConnectionEntry {
     protocol: Protocol,
     answers: mpsc::Sender<OutgoingBytes>,
     /// Whether its last piece is still to be answered.
-    asked: bool,
-    /// When it was last heard.
-    heard: Instant,
+    reply_pending: bool,
+    /// When bytes came last.
+    last_received: Instant,
     /// Since when it sends no more.
     ended: Option<Instant>,
 }
@@ -68,10 +68,10 @@ pub struct InstrumentTask {
     bench: BenchHandle,
     bench_state: BenchState,
     impact_every: Option<Duration>,
-    orders: Option<mpsc::Receiver<()>>,
+    strike_requests: Option<mpsc::Receiver<()>>,
     switched_on: Instant,
     /// The shot that the scope triggered on last.
-    caught: Option<TriggeredShot>,
+    triggered_shot: Option<TriggeredShot>,
 }
 
 impl InstrumentTask {
@@ -103,8 +103,8 @@ impl InstrumentTask {
             bench,
             bench_state,
             impact_every: options.impact_every,
-            orders: options.strikes,
-            caught: None,
+            strike_requests: options.strikes,
+            triggered_shot: None,
             switched_on: Instant::now(),
         })
     }
@@ -115,27 +115,27 @@ impl InstrumentTask {
     /// [`ServeError`] where the bench fails. [`Self::finish`] returns the error of a recording.
     pub async fn run(
         &mut self,
-        mut news: mpsc::Receiver<ConnectionEvent>,
+        mut events: mpsc::Receiver<ConnectionEvent>,
     ) -> Result<(), ServeError> {
         let mut ticks = every(TICK);
         let mut strikes = self.impact_every.map(every);
-        let mut orders = self.orders.take();
+        let mut strike_requests = self.strike_requests.take();
         loop {
             tokio::select! {
-                heard = news.recv() => {
-                    let Some(heard) = heard else { return Ok(()) };
+                event = events.recv() => {
+                    let Some(event) = event else { return Ok(()) };
                     self.advance_time();
-                    self.handle_event(heard);
+                    self.handle_event(event);
                 }
-                struck = self.bench.struck() => {
-                    let struck = struck?;
+                signals = self.bench.signals() => {
+                    let signals = signals?;
                     self.advance_time();
-                    self.deliver_signals(struck)?;
+                    self.deliver_signals(signals)?;
                 }
                 () = tick(strikes.as_mut()) => {
                     self.strike();
                 }
-                () = order(orders.as_mut()) => {
+                () = strike_request(strike_requests.as_mut()) => {
                     self.sessions.instrument.bench.ask_for_impact();
                 }
                 // Lets the connections' tasks go on between two messages.
@@ -171,8 +171,8 @@ impl InstrumentTask {
         self.vxi11.advance(now, &mut self.sessions);
     }
 
-    fn handle_event(&mut self, news: ConnectionEvent) {
-        match news {
+    fn handle_event(&mut self, event: ConnectionEvent) {
+        match event {
             ConnectionEvent::Opened { number, protocol, peer, answers } => {
                 self.sessions.peers.insert(number, peer);
                 self.connections.insert(
@@ -180,8 +180,8 @@ impl InstrumentTask {
                     ConnectionEntry {
                         protocol,
                         answers,
-                        asked: false,
-                        heard: Instant::now(),
+                        reply_pending: false,
+                        last_received: Instant::now(),
                         ended: None,
                     },
                 );
@@ -193,14 +193,14 @@ impl InstrumentTask {
             }
             ConnectionEvent::Bytes { number, bytes } => {
                 let Some(connection) = self.connections.get_mut(&number) else { return };
-                connection.asked = true;
+                connection.reply_pending = true;
                 // Ends of lines alone keep no connection.
                 if connection.protocol != Protocol::Raw || !bytes.trim_ascii().is_empty() {
-                    connection.heard = Instant::now();
+                    connection.last_received = Instant::now();
                 }
                 match connection.protocol {
                     Protocol::Raw => {
-                        connection.asked = false;
+                        connection.reply_pending = false;
                         self.pieces.push_back(RawPiece { number, bytes, reply: Vec::new() });
                     }
                     Protocol::Hislip => self.hislip.received(number, &bytes, &mut self.sessions),
@@ -252,9 +252,9 @@ impl InstrumentTask {
     }
 
     /// Delivers the signals of one impact to the instrument.
-    fn deliver_signals(&mut self, struck: StrikeSignals) -> Result<(), ServeError> {
+    fn deliver_signals(&mut self, strike: StrikeSignals) -> Result<(), ServeError> {
         let StrikeSignals { shot, scene, wanted, signals, is_hidden, mut prepared, attempts } =
-            struck;
+            strike;
         let instrument = &mut self.sessions.instrument;
         match signals {
             Ok((signals, truth)) => {
@@ -274,7 +274,7 @@ impl InstrumentTask {
                 let accepted = records.and_then(|r| instrument.accept_prepared(&signals, r));
                 let Some(accepted) = accepted else {
                     // Another knob was turned: the same signals are recorded as it stands now.
-                    if attempts < MOST_ATTEMPTS {
+                    if attempts < MAX_ATTEMPTS {
                         let signals = Ok((signals, truth));
                         let again = StrikeSignals {
                             shot,
@@ -293,7 +293,7 @@ impl InstrumentTask {
                     instrument.bench.triggered_at =
                         instrument.trigger_time().map(|t| truth.start + t);
                     let is_served = self.bench_state.is_served(&scene);
-                    self.caught = Some(TriggeredShot { shot, truth, scene, is_served });
+                    self.triggered_shot = Some(TriggeredShot { shot, truth, scene, is_served });
                 }
                 Ok(())
             }
@@ -311,10 +311,10 @@ impl InstrumentTask {
     /// The connection, of this peer if one is given, that has been idle for longest, if any is. One
     /// whose reply waits for an acquisition is not; the two of a HiSLIP session are idle together.
     fn longest_idle(&self, peer: Option<IpAddr>) -> Option<u64> {
-        let heard = |number: u64| {
-            let own = self.connections.get(&number).map(|connection| connection.heard);
+        let last_received = |number: u64| {
+            let own = self.connections.get(&number).map(|connection| connection.last_received);
             let other = self.hislip.partner(number);
-            own.max(other.and_then(|n| self.connections.get(&n)).map(|other| other.heard))
+            own.max(other.and_then(|n| self.connections.get(&n)).map(|other| other.last_received))
         };
         let is_of_peer = |number: u64| {
             let address = self.sessions.peers.get(&number).map(SocketAddr::ip);
@@ -322,24 +322,24 @@ impl InstrumentTask {
         };
         let is_free = |number: u64, connection: &ConnectionEntry| {
             is_of_peer(number)
-                && !connection.asked
+                && !connection.reply_pending
                 && !self.hislip.is_waiting(number, &self.sessions)
                 && !self.vxi11.is_waiting(number, &self.sessions)
                 && !self.sessions.is_waiting(SessionId::Raw(number))
         };
         let free = self.connections.iter().filter(|(number, entry)| is_free(**number, entry));
-        let times = free.filter_map(|(number, _)| Some((heard(*number)?, *number)));
-        let idle = times.filter(|(heard, _)| heard.elapsed() >= IDLE_TIME);
+        let times = free.filter_map(|(number, _)| Some((last_received(*number)?, *number)));
+        let idle = times.filter(|(last_received, _)| last_received.elapsed() >= IDLE_TIME);
         idle.min().map(|(_, number)| number)
     }
 
     fn strike(&mut self) -> bool {
         let instrument = &mut self.sessions.instrument;
-        let struck = self.bench.strike(&self.bench_state.scene, instrument);
-        if struck {
+        let is_struck = self.bench.strike(&self.bench_state.scene, instrument);
+        if is_struck {
             instrument.bench.faults.count_impact();
         }
-        struck
+        is_struck
     }
 
     /// Strikes as clients ask for, when the scope can see it.
@@ -373,8 +373,8 @@ impl InstrumentTask {
         }
         let mut done = Vec::new();
         for (number, connection) in &mut self.connections {
-            if connection.asked && !self.hislip.is_held(*number) {
-                connection.asked = false;
+            if connection.reply_pending && !self.hislip.is_held(*number) {
+                connection.reply_pending = false;
                 if connection
                     .answers
                     .try_send(OutgoingBytes { bytes: Vec::new(), to_piece: true })
@@ -398,7 +398,7 @@ impl InstrumentTask {
     /// Sends the answer to a connection's last piece of input.
     fn send(&mut self, number: u64, bytes: Vec<u8>) {
         if let Some(connection) = self.connections.get_mut(&number) {
-            connection.asked = false;
+            connection.reply_pending = false;
         }
         self.send_bytes(number, bytes, true);
     }
@@ -438,10 +438,10 @@ impl InstrumentTask {
         let Some(recorder) = &mut self.sessions.recorder else { return };
         match finished {
             Some(finished) => {
-                let caught = self
-                    .caught
-                    .take_if(|caught| finished.trigger.is_some_and(|t| t.shot == caught.shot));
-                recorder.add_acquisition(finished, caught, &mut self.sessions.instrument);
+                let triggered_shot = self.triggered_shot.take_if(|triggered_shot| {
+                    finished.trigger.is_some_and(|t| t.shot == triggered_shot.shot)
+                });
+                recorder.add_acquisition(finished, triggered_shot, &mut self.sessions.instrument);
                 recorder.drain().await;
             }
             None => recorder.keep_pace().await,
@@ -463,16 +463,16 @@ fn keep_forces(scene: &Scene, truth: &GroundTruth, instrument: &mut Instrument) 
 }
 
 fn every(period: Duration) -> Interval {
-    let period = period.max(SHORTEST);
+    let period = period.max(MIN_STRIKE_INTERVAL);
     let mut ticks = interval_at(Instant::now() + period, period);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
     ticks
 }
 
 /// The next strike requested at the bench; pending for ever once the sender is closed.
-async fn order(orders: Option<&mut mpsc::Receiver<()>>) {
-    if let Some(orders) = orders
-        && orders.recv().await.is_some()
+async fn strike_request(strike_requests: Option<&mut mpsc::Receiver<()>>) {
+    if let Some(strike_requests) = strike_requests
+        && strike_requests.recv().await.is_some()
     {
         return;
     }

@@ -39,11 +39,11 @@ use recorder::Recorder;
 
 /// Connections at a time, of all protocols. A further one takes the place of the one that has been
 /// idle for longest, or is closed at once if none is idle. A HiSLIP session has two.
-pub const MOST_CONNECTIONS: usize = 128;
+pub const MAX_CONNECTIONS: usize = 128;
 /// Connections of one address at a time; beyond it only an idle one of the same address gives way.
 pub const MAX_CONNECTIONS_OF_PEER: usize = 96;
 /// Capacity of the queue of input pieces from all connections.
-const PIECES: usize = 64;
+const EVENT_QUEUE_CAPACITY: usize = 64;
 /// Time limit for writing the answers that are pending at shutdown.
 const SHUTDOWN_GRACE: Duration = Duration::from_secs(1);
 
@@ -95,7 +95,7 @@ pub fn serve(
             mapper.spawn(port_mapper::answer_all(socket, datagrams, port));
         }
         let bench = bench_thread::BenchHandle::start().map_err(start)?;
-        let (pieces, inbox) = mpsc::channel(PIECES);
+        let (events, inbox) = mpsc::channel(EVENT_QUEUE_CAPACITY);
         let (warn, limit) = (options.warn.unwrap_or(|_| ()), options.size_limit);
         let recorder = recording.map(|writer| Recorder::start(writer, scene, limit, warn));
         let recorder = recorder.transpose().map_err(start)?;
@@ -104,7 +104,7 @@ pub fn serve(
         let done = tokio::select! {
             () = shutdown => Ok(()),
             done = task.run(inbox) => done,
-            () = accept_loop(&listeners, pieces, &mut connections) => Ok(()),
+            () = accept_loop(&listeners, events, &mut connections) => Ok(()),
         };
         let finished = task.finish().await;
         // The instrument task has ended, so every connection ends as soon as its answers are
@@ -125,7 +125,7 @@ fn listener(socket: TcpListener) -> io::Result<tokio::net::TcpListener> {
 /// Accepts connections until it is cancelled.
 async fn accept_loop(
     listeners: &[(Protocol, tokio::net::TcpListener)],
-    pieces: mpsc::Sender<connection::ConnectionEvent>,
+    events: mpsc::Sender<connection::ConnectionEvent>,
     connections: &mut JoinSet<IpAddr>,
 ) {
     let mut number = 0_u64;
@@ -158,11 +158,11 @@ async fn accept_loop(
                 // A stream that is dropped is closed.
                 Ok((stream, peer)) => {
                     let own = peers.get(&peer.ip()).copied().unwrap_or(0);
-                    if has_room((connections.len(), own), peer.ip(), &pieces).await {
+                    if has_room((connections.len(), own), peer.ip(), &events).await {
                         peers.insert(peer.ip(), own + 1);
                         number += 1;
                         let connection = Connection { number, protocol, peer, stream };
-                        connections.spawn(connection.run(pieces.clone()));
+                        connections.spawn(connection.run(events.clone()));
                     }
                 }
                 Err(_) => tokio::time::sleep(ACCEPT_RETRY_DELAY).await,
@@ -176,13 +176,13 @@ async fn accept_loop(
 async fn has_room(
     (open, own): (usize, usize),
     peer: IpAddr,
-    pieces: &mpsc::Sender<connection::ConnectionEvent>,
+    events: &mpsc::Sender<connection::ConnectionEvent>,
 ) -> bool {
     let peer = (own >= MAX_CONNECTIONS_OF_PEER).then_some(peer);
-    if open < MOST_CONNECTIONS && peer.is_none() {
+    if open < MAX_CONNECTIONS && peer.is_none() {
         return true;
     }
     let (gave_way, answer) = oneshot::channel();
-    pieces.send(connection::ConnectionEvent::Crowded { peer, gave_way }).await.is_ok()
+    events.send(connection::ConnectionEvent::Crowded { peer, gave_way }).await.is_ok()
         && answer.await == Ok(true)
 }

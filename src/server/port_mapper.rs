@@ -13,7 +13,7 @@ use crate::vxi11::port_mapper::answer;
 use crate::vxi11::rpc::{RecordDecoder, record};
 
 /// Longest datagram (bytes).
-const DATAGRAM: usize = 2048;
+const DATAGRAM_LENGTH: usize = 2048;
 /// Time limit for a connection.
 const CONNECTION_TIME: Duration = Duration::from_secs(10);
 /// Connections at a time; a further one takes the place of the oldest.
@@ -26,7 +26,7 @@ pub async fn answer_all(listener: TcpListener, datagrams: UdpSocket, port: u16) 
 }
 
 async fn answer_datagrams(socket: UdpSocket, port: u16) {
-    let mut buffer = [0; DATAGRAM];
+    let mut buffer = [0; DATAGRAM_LENGTH];
     loop {
         let Ok((length, peer)) = socket.recv_from(&mut buffer).await else {
             tokio::time::sleep(ACCEPT_RETRY_DELAY).await;
@@ -63,7 +63,7 @@ async fn answer_connections(listener: TcpListener, port: u16) {
 /// None where the connection has ended.
 async fn answer_connection(mut stream: TcpStream, port: u16) -> Option<()> {
     let mut records = RecordDecoder::default();
-    let mut buffer = [0; DATAGRAM];
+    let mut buffer = [0; DATAGRAM_LENGTH];
     loop {
         while let Some(call) = records.next_record().ok()? {
             stream.write_all(&record(&answer(&call, port)?)).await.ok()?;

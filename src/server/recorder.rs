@@ -10,7 +10,7 @@ use tokio::time::Instant;
 use super::ServeError;
 use super::bench_thread::GroundTruth;
 use super::writer::{BackgroundWriter, Sink};
-use crate::experiment::facts::{scene_attachment, shot_facts};
+use crate::experiment::facts::{scene_attachments, shot_facts};
 use crate::instrument::{Finished, Instrument};
 use crate::recording::mcap::{RecordingWriter, ShotNotes, WriteError};
 use crate::recording::{self, Capture, Direction, Origin, ScpiLine, Shot};
@@ -82,7 +82,7 @@ impl Recorder {
     pub fn add_acquisition(
         &mut self,
         finished: Finished,
-        caught: Option<TriggeredShot>,
+        triggered_shot: Option<TriggeredShot>,
         instrument: &mut Instrument,
     ) {
         self.shots += 1;
@@ -94,16 +94,16 @@ impl Recorder {
         };
         let capture =
             |waveform| Capture { waveform, instrument: Some(taken_by.clone()), notes: Vec::new() };
-        let cause = match (&caught, finished.trigger) {
+        let cause = match (&triggered_shot, finished.trigger) {
             (Some(TriggeredShot { shot, scene, .. }), _) => {
                 format!("shot {}: impact {shot} on {}", self.shots, scene.name)
             }
             (None, Some(trigger)) => format!("shot {}: impact {}", self.shots, trigger.shot),
             (None, None) => format!("shot {}: not triggered by an impact", self.shots),
         };
-        let other = caught.as_ref().filter(|caught| !caught.is_served);
-        let other = other.map(|caught| (Arc::clone(&caught.scene), caught.shot));
-        let truth = caught.map(|caught| caught.truth);
+        let other = triggered_shot.as_ref().filter(|triggered| !triggered.is_served);
+        let other = other.map(|triggered| (Arc::clone(&triggered.scene), triggered.shot));
+        let truth = triggered_shot.map(|triggered| triggered.truth);
         // The scope also saves the displayed math and reference traces.
         let others = [Source::Math].into_iter().chain(('A'..='D').map(Source::Reference));
         let others: Vec<Waveform> = others
@@ -179,7 +179,9 @@ impl RecordingSink {
     fn attach(&mut self, scene: &Scene, shot: u32, impact: u32) -> Result<(), WriteError> {
         if !self.attached.contains(&scene.name) {
             self.attached.push(scene.name.clone());
-            self.writer.attach(&scene_attachment(scene))?;
+            for attachment in scene_attachments(scene) {
+                self.writer.attach(&attachment)?;
+            }
         }
         self.writer.add_facts(&shot_facts(scene, shot, impact))
     }

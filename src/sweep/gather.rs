@@ -10,10 +10,9 @@ use serde::Serialize;
 
 use super::log::{LogHeader, LoggedRun, Scan, logs, scan};
 use super::plan::Column;
-use super::row::cells;
-use super::table::TableWriter;
 use super::work::RunCounts;
 use super::{SweepError, at};
+use crate::table::{Cell, TableWriter, read_row};
 
 /// The joined logs of a sweep.
 #[derive(Debug)]
@@ -151,12 +150,12 @@ impl GatheredLogs {
                 .map_err(at(&self.files[log]))?;
             places[log] = entry.offset + u64::from(entry.length);
             let line = String::from_utf8_lossy(&text);
-            let cells = cells(&line);
-            tables.iter_mut().try_for_each(|table| table.row(&line, &cells))?;
+            let cells = read_row(&line, columns);
+            tables.iter_mut().try_for_each(|table| table.row(&cells))?;
             tally.done += 1;
-            if let Some(reason) = cells.get(error).filter(|reason| !reason.is_empty()) {
+            if let Some(Cell::Text(reason)) = cells.get(error) {
                 tally.failed += 1;
-                tally.first_failed.get_or_insert_with(|| (entry.run, reason.to_owned()));
+                tally.first_failed.get_or_insert_with(|| (entry.run, reason.clone()));
             }
             if index % 1000 == 0 {
                 progress(index as f64 / self.found.len() as f64);

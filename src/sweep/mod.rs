@@ -4,7 +4,7 @@
 //! Stands between `experiment`, which runs scenes, and the command line. [`plan`] makes runs out of
 //! a file, `work` runs them in blocks and [`log`](mod@log) keeps every finished one, so that a
 //! sweep that is killed goes on where it was. [`shard`] is the part of one process out of many,
-//! [`gather`] joins their logs and says what is missing, [`table`] writes the results. Values, seed
+//! [`gather`] joins their logs into tables and says what is missing. Values, seed
 //! and results of a run follow from its number alone: in every process, and beside any other runs,
 //! the bytes are the same on processors with the same instructions.
 
@@ -14,7 +14,6 @@ pub mod plan;
 mod row;
 pub mod shard;
 pub mod summary;
-pub mod table;
 pub mod work;
 
 use std::path::{Path, PathBuf};
@@ -107,37 +106,9 @@ pub enum SweepError {
         /// The value expected.
         expected: &'static str,
     },
-    /// A file that is no table of the sweep, where that would be written.
-    #[error(
-        "{file}: exists already and is no table of this sweep: name another with -o, or replace it with --force"
-    )]
-    Exists {
-        /// The file.
-        file: String,
-    },
-    /// A table's file whose name does not tell its format.
-    #[error("{file}: found no .csv, .jsonl or .parquet at the end, expected one of them")]
-    Format {
-        /// The file.
-        file: String,
-    },
-    /// Parquet, which was not built in.
-    #[error(
-        "{file}: found a program without Parquet, expected one built with it: cargo install --features parquet"
-    )]
-    NoParquet {
-        /// The file.
-        file: String,
-    },
-    /// Parquet could not be written.
-    #[cfg(feature = "parquet")]
-    #[error("{file}: {source}")]
-    Parquet {
-        /// The file.
-        file: String,
-        /// The format library's error.
-        source: parquet::errors::ParquetError,
-    },
+    /// A table could not be written.
+    #[error(transparent)]
+    Table(#[from] crate::table::TableError),
 }
 
 /// Names the file in an error of the system.

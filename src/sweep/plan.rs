@@ -229,21 +229,26 @@ fn columns(design: &Design, units: &[Option<String>], watched: &[ProbeSite]) -> 
     }
     for (path, unit) in design.paths().zip(units) {
         columns.push(match unit {
-            Some(unit) => Column::number(path, unit),
+            Some(unit) => number_column(path, unit),
             None => Column::text(path),
         });
     }
     columns.push(Column::text("error"));
     columns.push(Column::count("force_evaluations"));
     for place in watched {
-        let reading = |(what, unit)| Column::number(&format!("{}.{what}", place.name), unit);
+        let reading = |(what, unit)| number_column(&format!("{}.{what}", place.name), unit);
         columns.extend(READINGS.map(reading));
     }
     for (from, to) in pairs(watched) {
-        let speed = |what| Column::number(&format!("{}-{}.{what}", from.name, to.name), "m/s");
+        let speed = |what| number_column(&format!("{}-{}.{what}", from.name, to.name), "m/s");
         columns.extend(ESTIMATORS.map(speed));
     }
     columns
+}
+
+/// A column of numbers, its unit in brackets.
+fn number_column(name: &str, unit: &str) -> Column {
+    Column::number(format!("{name} ({unit})"))
 }
 
 /// Everything that results follow from, but for the processor.

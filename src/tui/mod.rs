@@ -32,7 +32,7 @@ use ratatui::crossterm::execute;
 use ratatui::layout::{Position, Rect, Size};
 
 use crate::recording::TraceSet;
-use crate::recording::mcap::indexed_recording::IndexedRecording;
+use crate::recording::mcap::IndexedRecording;
 use model::{Action, NoteOption, Palette, ScreenState};
 use work::served::ServedConnection;
 use work::{ScreenEvent, Workers};

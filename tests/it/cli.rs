@@ -8,6 +8,7 @@ mod effects;
 mod help;
 mod hostile;
 mod lab_files;
+mod output;
 mod pictures;
 mod run;
 

@@ -356,11 +356,11 @@ proptest! {
     }
 }
 
-/// Found by fuzzing: a level of 4E-322 V is read, but a 256th of it is none any more.
+/// Found by fuzzing: of a level of 4E-322 V, a 256th is 0.
 #[test]
 fn levels_too_small_to_be_scaled_are_not_written() {
-    let text = ":WFMPRE:BYT_NR 1;ENCDG ASC;XINCR 1E-6;YMULT 4E-322;:CURVE 112,4,123,24";
-    let capture = read(text.as_bytes(), "a.isf").expect("readable");
+    let mut capture = made_up(vec![1, 2, 3]);
+    capture.waveform.preamble.y_mult = 4e-322;
     for width in [Width::One, Width::Two] {
         let error = write(&capture, width).expect_err("unwritable").to_string();
         assert!(error.contains("y_mult") && error.contains("at least 1e-300"), "{error}");
@@ -382,6 +382,11 @@ fn numbers_beyond_single_precision_are_refused() {
         head("0", "1E-6", "0", "1E308"),
         head("1E39", "1E-6", "0", "0.04"),
         head("1E30", "1E-300", "0", "0.04"),
+        // 1/XINCR is not finite: a spectrum would have bins inf Hz apart.
+        head("0", "1E-310", "0", "0.04"),
+        // All points would have the same time.
+        head("0", "1E-6", "9E18", "0.04"),
+        head("0", "1E-6", "0", "4E-322"),
     ] {
         let error = read(&text).expect_err("too large").to_string();
         assert!(error.starts_with("x.isf"), "{error}");

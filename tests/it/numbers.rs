@@ -28,7 +28,7 @@ fn recorded(scene: &Scene, accuracy: f64) -> TraceSet {
     let integration = Integration::Accuracy(accuracy);
     let shot = run(scene, integration, 1, &mut |_| ()).expect("a run").shot;
     let metadata = facts::facts(scene, integration).expect("facts");
-    let attachments = vec![facts::scene_attachment(scene)];
+    let attachments = facts::scene_attachments(scene);
     TraceSet { shots: vec![shot], metadata, attachments, ..TraceSet::default() }
 }
 

@@ -10,10 +10,12 @@ use std::sync::LazyLock;
 
 use hertzscope::experiment::paper_speeds::speeds;
 use hertzscope::report;
+use hertzscope::report::plot::{Series, Theme, svg};
 use hertzscope::scene::Scene;
 use hertzscope::studies::paper::{
     ClaimFinding, ClaimVerdict, Figure, ForceLocation, PaperStudy, study,
 };
+use hertzscope::table::Cell;
 use serde_json::Value;
 
 use ClaimVerdict::{Agrees, AgreesUnder, DoesNotHold};
@@ -339,23 +341,25 @@ fn pictures_show_what_they_say_and_their_data_are_theirs() {
         ),
         ("viscosity", 4, ["0 N s/m: 10.5 kHz", "2 N s/m: 15.2 kHz", "time (ms)", "N/div"]),
     ] {
-        let picture = picture(stem);
-        // Lines of data; the grid's are grey.
-        assert_eq!(picture.svg.matches("stroke-linejoin").count(), lines, "{stem}");
+        let sheet = &picture(stem).sheet;
+        // Lines of data.
+        let drawn: Vec<&Series> = sheet.panels.iter().flat_map(|panel| &panel.lines).collect();
+        assert_eq!(drawn.len(), lines, "{stem}");
+        let svg = svg(sheet, Theme::Light);
         for word in words {
-            assert!(picture.svg.contains(word), "{stem}: {word}");
+            assert!(svg.contains(word), "{stem}: {word}");
         }
     }
-    let (name, csv) = &picture("figure-08").data[0];
+    let (name, data) = &picture("figure-08").data[0];
     assert_eq!(name, "figure-08-forces.csv");
-    let mut rows = csv.lines();
-    assert_eq!(rows.next(), Some("time_s,p2_n,p14_n,p27_n,wall_n"));
-    let p14 = rows.map(|row| row.split(',').nth(2).expect("p14").parse::<f64>().expect("a force"));
-    let p14: Vec<f64> = p14.collect();
-    assert_eq!(p14, figure(8).signals[1].trace.values);
+    let names: Vec<&str> = data.columns.iter().map(|column| column.name.as_str()).collect();
+    assert_eq!(names, ["time_s", "p2_n", "p14_n", "p27_n", "wall_n"]);
+    let p14: Vec<Cell> = data.rows.iter().map(|row| row[2].clone()).collect();
+    let expected = figure(8).signals[1].trace.values.iter().map(|force| Cell::Number(*force));
+    assert!(p14.iter().cloned().eq(expected));
     let points = picture("tables-1-2");
     assert_eq!(
-        points.svg.matches("<circle").count(),
+        svg(&points.sheet, Theme::Light).matches("<circle").count(),
         5 * 8 + 5,
         "five kinds of speeds and their legend"
     );
@@ -365,8 +369,7 @@ fn pictures_show_what_they_say_and_their_data_are_theirs() {
 fn report_tells_every_statement() {
     let pictures = report::paper_pictures(&STUDY);
     let parts = report::paper_parts(&STUDY, &pictures);
-    let (markdown, html) =
-        (report::document::markdown(&parts), report::document::html("paper", &parts));
+    let (markdown, html) = (report::page::markdown(&parts), report::page::html("paper", &parts));
     let page = report::paper(&STUDY);
     for finding in &STUDY.findings {
         assert!(markdown.contains(&finding.item) && html.contains(&finding.item));

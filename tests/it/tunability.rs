@@ -160,7 +160,8 @@ fn maps_show_edges_and_speeds() {
     }
     let row = page.lines().find(|line| line.contains('1') && line.contains('│'));
     assert!(row.is_some(), "an edge in the map\n{page}");
-    let svg = report::tunability_svg("a chain", &tunings);
+    let sheet = report::tunability_picture("a chain", &tunings);
+    let svg = report::plot::svg(&sheet, report::plot::Theme::Light);
     for words in [
         "effects.magnet_preload.force (N)",
         "frequency (kHz)",

@@ -18,6 +18,7 @@ pub use score::{ChannelScore, SpeedScore};
 
 use serde::Serialize;
 
+use super::arrivals::trigger_u;
 use crate::analysis::arrival::Estimator;
 use crate::analysis::comparison::{MIN_COMMON_SAMPLES, Pair, least_squares_shift};
 use crate::quantity::{Uncertain, engineering};
@@ -178,11 +179,14 @@ fn shift(
     align: Align,
     notes: &mut Vec<String>,
 ) -> (Align, f64, Option<f64>) {
-    // Each trigger's level was crossed somewhere in the sample interval before the record's zero,
-    // on average half of it before.
+    // Each trigger's level was crossed within the sample interval before the record's zero, on
+    // average half of it before.
     let intervals = channels.first().map(|c| (c.measured.interval, c.simulated.interval));
     let (own, other) = intervals.unwrap_or((0.0, 0.0));
-    let (at_triggers, triggers) = (0.5 * (other - own), own.hypot(other) / 12f64.sqrt());
+    let pulses = || channels.iter().filter_map(ChannelPair::pulses);
+    let own_u = trigger_u(own, pulses().map(|(measured, _)| measured)).0;
+    let other_u = trigger_u(other, pulses().map(|(_, simulated)| simulated)).0;
+    let (at_triggers, triggers) = (0.5 * (other - own), own_u.hypot(other_u));
     let found = match align {
         Align::Trigger => Some((at_triggers, Some(triggers))),
         Align::Arrival => channels.iter().find_map(|channel| {

@@ -35,6 +35,13 @@ impl Default for ScoreLimits {
     }
 }
 
+/// Largest limit on a relative error (1).
+const MAX_SHARE: f64 = 10.0;
+/// Largest limit on an arrival, longer than any record (s).
+const MAX_TIME: f64 = 1000.0;
+/// Largest limit on a residual (levels, V or N).
+const MAX_AMOUNT: f64 = 1e6;
+
 const KEYS: &str = "peak, speed, gain, spectrum (each a share, 5%), arrival (2us), rms, max (each 2lsb, 10mV or 0.1N), or correlation (0.99)";
 
 impl ScoreLimits {
@@ -95,18 +102,23 @@ fn limit(part: &str) -> Result<Limit, String> {
         let percent = format!("{}={}%", key.trim(), value.trim());
         return Err(format!("found {part} without a unit, expected a share, e.g. {percent}"));
     }
-    let read = |dimension| match parse(value, dimension) {
-        Ok(number) if number >= 0.0 => Ok(number),
+    let read = |dimension, most: f64| match parse(value, dimension) {
+        Ok(number) if (0.0..=most).contains(&number) => Ok(number),
+        Ok(number) if number > most => Err(match dimension {
+            Dimension::TIME => format!("found {part}, expected a limit of at most {most} s"),
+            _ if most > 1.0 => format!("found {part}, expected at most {:.0} %", 100.0 * most),
+            _ => format!("found {part}, expected a correlation from 0 to {most}"),
+        }),
         Ok(_) => Err(format!("found {part}, expected a limit of zero or more")),
         Err(error) => Err(format!("{key}: found {error}, expected {KEYS}")),
     };
     match key.trim() {
-        "peak" => read(Dimension::NONE).map(Limit::Peak),
-        "speed" => read(Dimension::NONE).map(Limit::Speed),
-        "gain" => read(Dimension::NONE).map(Limit::Gain),
-        "spectrum" => read(Dimension::NONE).map(Limit::Spectrum),
-        "correlation" => read(Dimension::NONE).map(Limit::Correlation),
-        "arrival" => read(Dimension::TIME).map(Limit::Arrival),
+        "peak" => read(Dimension::NONE, MAX_SHARE).map(Limit::Peak),
+        "speed" => read(Dimension::NONE, MAX_SHARE).map(Limit::Speed),
+        "gain" => read(Dimension::NONE, MAX_SHARE).map(Limit::Gain),
+        "spectrum" => read(Dimension::NONE, MAX_SHARE).map(Limit::Spectrum),
+        "correlation" => read(Dimension::NONE, 1.0).map(Limit::Correlation),
+        "arrival" => read(Dimension::TIME, MAX_TIME).map(Limit::Arrival),
         "rms" => amount(part, value).map(Limit::Rms),
         "max" => amount(part, value).map(Limit::Max),
         other => Err(format!("found {other}, expected {KEYS}")),
@@ -125,8 +137,8 @@ fn amount(part: &str, text: &str) -> Result<Amount, String> {
             _ => return Err(wrong()),
         }
     };
-    let (Amount::Levels(most) | Amount::Volts(most) | Amount::Newtons(most)) = found;
-    if most.is_finite() && most >= 0.0 { Ok(found) } else { Err(wrong()) }
+    let (Amount::Levels(value) | Amount::Volts(value) | Amount::Newtons(value)) = found;
+    if (0.0..=MAX_AMOUNT).contains(&value) { Ok(found) } else { Err(wrong()) }
 }
 
 fn percent(share: f64) -> String {
@@ -221,6 +233,10 @@ mod tests {
             ("rms=nanlsb", "levels, volts or newtons"),
             ("speed=-1%", "zero or more"),
             ("colour=1", "found colour"),
+            ("correlation=2", "a correlation from 0 to 1"),
+            ("peak=1e300%", "at most 1000 %"),
+            ("arrival=1e300s", "at most 1000 s"),
+            ("rms=1e300lsb", "levels, volts or newtons"),
         ] {
             let error = ScoreLimits::parse(wrong).expect_err(wrong);
             assert!(error.contains(told), "{wrong}: {error}");

@@ -104,6 +104,11 @@ impl ChannelPair {
         (&self.measured, &self.simulated, weight)
     }
 
+    /// The first pulses on both sides, the measured one first.
+    pub fn pulses(&self) -> Option<&(Pulse, Pulse)> {
+        self.pulses.as_ref()
+    }
+
     /// Arrivals on both sides, each on its own clock.
     pub fn arrivals(&self, estimator: Estimator) -> Option<(Uncertain, Uncertain)> {
         let (measured, simulated) = self.pulses.as_ref()?;

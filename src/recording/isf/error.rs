@@ -43,6 +43,14 @@ pub enum IsfError {
         /// The allowed values.
         expected: String,
     },
+    /// Numbers of the preamble that cannot be computed with.
+    #[error("{file}: {problem}")]
+    Numbers {
+        /// The file's name.
+        file: String,
+        /// What was found and what is expected.
+        problem: String,
+    },
     /// The block does not begin, go on or divide as a block does.
     #[error("{file}, byte {offset}: found {found}, expected {expected}")]
     Block {

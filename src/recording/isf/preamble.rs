@@ -132,10 +132,9 @@ impl<'a> PreambleText<'a> {
         IsfError::Missing { file: self.file.to_owned(), key: key.name() }
     }
 
-    /// The value of `key` is too small or too large for what follows from it.
-    pub(super) fn beyond(&self, key: PreambleKey) -> IsfError {
-        let (value, offset) = self.entry(key).unwrap_or_default();
-        self.wrong(key, value, offset, "numbers whose quotients are finite")
+    /// The numbers do not go together.
+    pub(super) fn unusable(&self, problem: String) -> IsfError {
+        IsfError::Numbers { file: self.file.to_owned(), problem }
     }
 
     fn wrong(&self, key: PreambleKey, value: &[u8], offset: usize, expected: &str) -> IsfError {

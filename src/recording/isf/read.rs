@@ -5,6 +5,7 @@ use super::error::IsfError;
 use super::preamble::{self, PreambleText};
 use crate::quantity::{Dimension, Quantity, engineering};
 use crate::recording::Capture;
+use crate::recording::finite::check_numbers;
 use crate::scope::waveform::LEVELS_PER_DIVISION;
 use crate::scope::{Coupling, PointFormat, Preamble, Source, VerticalSetup, Waveform};
 
@@ -178,10 +179,6 @@ fn settings(
         _ => preamble.y_off * (preamble.y_mult / scale),
     };
     let trigger_point = whole_if_near(0.0 - preamble.x_zero / preamble.x_incr);
-    // Quotients of numbers near the ends of what a double holds.
-    if ![scale, position, horizontal_scale, trigger_point].iter().all(|number| number.is_finite()) {
-        return Err(words.beyond(preamble::X_INCR));
-    }
     let vertical = VerticalSetup {
         scale,
         position: if of_the_family { preamble.y_off / LEVELS_PER_DIVISION } else { position },
@@ -191,6 +188,7 @@ fn settings(
         probe: 1.0,
     };
     let waveform = Waveform { source, codes, preamble, vertical, horizontal_scale, trigger_point };
+    check_numbers(&waveform).map_err(|problem| words.unusable(problem))?;
     Ok(Capture { waveform, instrument: None, notes })
 }
 

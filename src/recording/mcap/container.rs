@@ -92,6 +92,11 @@ impl<'a> Cursor<'a> {
     }
 }
 
+/// Whether [`parse`] reads records of this opcode.
+pub fn is_known(opcode: u8) -> bool {
+    matches!(opcode, 0x03..=0x06 | 0x09 | 0x0C | 0x0F)
+}
+
 /// Length of the body that follows `head`, the first bytes of a record (bytes).
 pub fn body_length(head: &[u8; RECORD_HEADER_BYTES]) -> u64 {
     let [_, length @ ..] = *head;

@@ -1,9 +1,38 @@
 //! From the messages of a recording to captures and traces; what cannot be is said in words.
 
+use prost::bytes::Buf as _;
+use prost::encoding::{DecodeContext, WireType, decode_key, skip_field};
+
 use super::message;
+use super::schema::Schema;
+use crate::recording::finite::check_numbers;
 use crate::recording::{Capture, Direction, InstrumentIdentity, ScpiLine};
 use crate::scope::{Coupling, PointFormat, Preamble, Source, VerticalSetup, Waveform};
 use crate::trace::Trace;
+
+/// Refuses a message with a double that is not a finite number, by the name of its field.
+///
+/// # Errors
+/// Problems: NaN and infinities; lists are not looked at.
+pub fn check_doubles(schema: Schema, mut data: &[u8]) -> Result<(), String> {
+    while !data.is_empty() {
+        let (tag, kind) = decode_key(&mut data).map_err(|error| error.to_string())?;
+        match kind {
+            WireType::SixtyFourBit if data.len() >= 8 => {
+                let value = data.get_f64_le();
+                if !value.is_finite() {
+                    let name = schema.field_name(tag).unwrap_or("a number");
+                    return Err(format!("found {name} = {value}, expected a finite number"));
+                }
+            }
+            _ => {
+                skip_field(kind, tag, &mut data, DecodeContext::default())
+                    .map_err(|error| error.to_string())?;
+            }
+        }
+    }
+    Ok(())
+}
 
 /// The trace in `message`.
 ///
@@ -54,23 +83,6 @@ pub fn capture(message: &message::CaptureMessage) -> Result<Capture, String> {
     let (x_zero, y_off, y_zero) =
         (given(message.t0_s), given(message.y_off), given(message.y_zero));
     let (trigger_point, position) = (given(message.trigger_point), given(message.position_div));
-    let numbers = [
-        ("t0_s", x_zero),
-        ("dt_s", message.dt_s),
-        ("y_mult", message.y_mult),
-        ("y_off", y_off),
-        ("y_zero", y_zero),
-        ("trigger_point", trigger_point),
-        ("vertical_scale", message.vertical_scale),
-        ("horizontal_scale", message.horizontal_scale),
-        ("position_div", position),
-        ("probe", message.probe),
-    ];
-    let trigger_time = ("trigger_time_s", given(message.trigger_time_s));
-    let mut numbers = numbers.iter().chain([&trigger_time]);
-    if let Some((name, value)) = numbers.find(|(_, value)| !value.is_finite()) {
-        return Err(format!("found {name} = {value}, expected a finite number"));
-    }
     if message.dt_s <= 0.0 {
         return Err(format!("found dt_s = {}, expected a time above zero", message.dt_s));
     }
@@ -81,7 +93,7 @@ pub fn capture(message: &message::CaptureMessage) -> Result<Capture, String> {
         _ => None,
     };
     let known = !(message.model.is_empty() && message.firmware.is_empty());
-    Ok(Capture {
+    let capture = Capture {
         waveform: Waveform {
             source,
             codes,
@@ -117,7 +129,9 @@ pub fn capture(message: &message::CaptureMessage) -> Result<Capture, String> {
             firmware: message.firmware.clone(),
         }),
         notes: message.notes.clone(),
-    })
+    };
+    check_numbers(&capture.waveform)?;
+    Ok(capture)
 }
 
 /// The digitiser levels: a byte each, or two where one does not suffice.

@@ -17,13 +17,15 @@ pub enum ReadError {
     },
     /// The file is too large to be held in memory.
     #[error(
-        "{file}: found {bytes} bytes, expected at most {LARGEST_FILE} to be read at once; `info`, `convert` and everything with --shot read it piece by piece"
+        "{file}: found {bytes} bytes, expected at most {limit} to be held in memory: name one shot with --shot"
     )]
     TooLarge {
         /// The file.
         file: PathBuf,
         /// Its size.
         bytes: u64,
+        /// Largest size (bytes).
+        limit: u64,
     },
     /// It does not begin like MCAP.
     #[error("{file}: found {found}, expected an MCAP file, which begins with \\x89MCAP0\\r\\n")]

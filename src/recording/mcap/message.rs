@@ -184,18 +184,6 @@ pub struct EnergyMessage {
     pub left_in_contacts_j: f64,
 }
 
-impl EnergyMessage {
-    /// Whether all of it are numbers.
-    pub fn is_finite(&self) -> bool {
-        let sums = [self.initial_j, self.final_j, self.dissipated_j, self.drift];
-        let held =
-            [self.kinetic_j, self.elastic_j, self.gravity_j, self.magnet_j, self.end_forces_j];
-        let taken = [self.dashpot_j, self.kuwabara_kono_j, self.power_law_loss_j];
-        let all = sums.iter().chain(&held).chain(&taken).chain([&self.left_in_contacts_j]);
-        all.into_iter().all(|number| number.is_finite())
-    }
-}
-
 /// `foxglove.Log`: a line for people. Source: Foxglove's public message schemas.
 #[derive(Clone, PartialEq, Message)]
 pub struct LogMessage {

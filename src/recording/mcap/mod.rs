@@ -10,7 +10,6 @@ mod container;
 mod decode;
 mod encode;
 mod error;
-pub mod indexed_recording;
 pub mod message;
 mod read;
 mod schema;
@@ -18,5 +17,5 @@ mod write;
 
 pub use error::ReadError;
 pub use message::ShotNotes;
-pub use read::{read, read_bytes};
+pub use read::{IndexedRecording, ReadState, Traffic, read, read_bytes};
 pub use write::{RecordingWriter, WriteError, write, write_numbered};

@@ -47,13 +47,28 @@ impl Schema {
         }
     }
 
-    /// The serialised `FileDescriptorSet` by which any protobuf reader decodes this message.
-    pub fn descriptor(self) -> Vec<u8> {
-        let (package, message) = self.name().split_once('.').unwrap_or(("", self.name()));
+    /// The name of the field with this number.
+    pub fn field_name(self, number: u32) -> Option<&'static str> {
+        let ending = format!(" = {number}");
+        self.body().lines().find_map(|line| {
+            let declared = line.split(';').next()?.strip_suffix(ending.as_str())?;
+            declared.rsplit(' ').next()
+        })
+    }
+
+    /// The fields of the message, as they are written.
+    fn body(self) -> &'static str {
+        let (_, message) = self.name().split_once('.').unwrap_or(("", self.name()));
         let source = if self == Self::Log { FOXGLOVE } else { MESSAGES };
         let body =
             source.split_once(&format!("message {message} {{\n")).map_or("", |(_, body)| body);
-        let body = body.split_once("\n}").map_or(body, |(body, _)| body);
+        body.split_once("\n}").map_or(body, |(body, _)| body)
+    }
+
+    /// The serialised `FileDescriptorSet` by which any protobuf reader decodes this message.
+    pub fn descriptor(self) -> Vec<u8> {
+        let (package, message) = self.name().split_once('.').unwrap_or(("", self.name()));
+        let body = self.body();
         let descriptor = DescriptorProto {
             name: Some(message.to_owned()),
             field: body.lines().filter_map(field).collect(),

@@ -14,7 +14,7 @@ use prost::Message as _;
 use super::encode::{capture_message, line_message, series_message};
 use super::message::{self, timestamp};
 use super::schema::Schema;
-use crate::files::{LiveFile, NewFile, Output};
+use crate::files::NewFile;
 use crate::recording::{Attachment, ScpiLine, Shot, TraceSet, true_signal};
 
 /// Profile that the file's header names.
@@ -46,7 +46,7 @@ pub enum WriteError {
 /// An open recording.
 pub struct RecordingWriter {
     file: PathBuf,
-    writer: Writer<NoSeek<BufWriter<Box<dyn Output>>>>,
+    writer: Writer<NoSeek<BufWriter<NewFile>>>,
     schemas: BTreeMap<Schema, u16>,
     channels: BTreeMap<String, u16>,
     sequence: u32,
@@ -63,8 +63,7 @@ impl RecordingWriter {
         metadata: &BTreeMap<String, BTreeMap<String, String>>,
         attachments: &[Attachment],
     ) -> Result<Self, WriteError> {
-        let new = NewFile::replace(file);
-        Self::begin(file, new.map(|new| Box::new(new) as Box<dyn Output>), metadata, attachments)
+        Self::begin(file, NewFile::replace(file), metadata, attachments)
     }
 
     /// Begins a recording that is called `file` or, if that exists when it is finished, by the next
@@ -77,8 +76,7 @@ impl RecordingWriter {
         metadata: &BTreeMap<String, BTreeMap<String, String>>,
         attachments: &[Attachment],
     ) -> Result<Self, WriteError> {
-        let new = NewFile::numbered(file);
-        Self::begin(file, new.map(|new| Box::new(new) as Box<dyn Output>), metadata, attachments)
+        Self::begin(file, NewFile::numbered(file), metadata, attachments)
     }
 
     /// Begins a recording that others can read while it grows: `file` or, if that exists, the next
@@ -91,19 +89,14 @@ impl RecordingWriter {
         metadata: &BTreeMap<String, BTreeMap<String, String>>,
         attachments: &[Attachment],
     ) -> Result<Self, WriteError> {
-        let live = LiveFile::numbered(file);
-        let path = live.as_ref().map_or(file, LiveFile::path).to_owned();
-        Self::begin(
-            &path,
-            live.map(|live| Box::new(live) as Box<dyn Output>),
-            metadata,
-            attachments,
-        )
+        let live = NewFile::live(file);
+        let path = live.as_ref().map_or(file, NewFile::path).to_owned();
+        Self::begin(&path, live, metadata, attachments)
     }
 
     fn begin(
         file: &Path,
-        output: std::io::Result<Box<dyn Output>>,
+        output: std::io::Result<NewFile>,
         metadata: &BTreeMap<String, BTreeMap<String, String>>,
         attachments: &[Attachment],
     ) -> Result<Self, WriteError> {
@@ -198,7 +191,20 @@ impl RecordingWriter {
             };
             self.message("/energy", Schema::Energy, at, &energy.encode_to_vec())?;
         }
-        for (warning, line) in &notes.log {
+        self.log(&notes.log, at)?;
+        self.flush()
+    }
+
+    /// Adds lines of the log that belong to no shot; before the first shot.
+    ///
+    /// # Errors
+    /// [`WriteError`] if the file cannot be written.
+    pub fn add_log(&mut self, lines: &[(bool, String)]) -> Result<(), WriteError> {
+        self.log(lines, 0)
+    }
+
+    fn log(&mut self, lines: &[(bool, String)], at: u64) -> Result<(), WriteError> {
+        for (warning, line) in lines {
             let log = message::LogMessage {
                 timestamp: Some(timestamp(at)),
                 level: if *warning { message::WARNING } else { message::INFORMATION },
@@ -208,7 +214,7 @@ impl RecordingWriter {
             };
             self.message("/log", Schema::Log, at, &log.encode_to_vec())?;
         }
-        self.flush()
+        Ok(())
     }
 
     /// Adds a command or a reply; it may stay in memory until [`Self::flush`] or the next shot.
@@ -302,6 +308,9 @@ fn write_set(mut writer: RecordingWriter, set: &TraceSet) -> Result<PathBuf, Wri
     // Lines that belong to no shot go with the last one.
     let known: usize = set.notes.values().map(|notes| notes.log.len()).sum();
     let mut loose = if known == 0 { set.log.as_slice() } else { &[] };
+    if let Some(before) = set.notes.get(&0) {
+        writer.add_log(&before.log)?;
+    }
     let mut shots = set.shots.iter().peekable();
     let mut lines = set.lines.iter().peekable();
     while let Some(shot) = shots.next() {

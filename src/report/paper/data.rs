@@ -1,40 +1,49 @@
-//! The figures' data as CSV.
-
-use std::fmt::Write as _;
+//! The figures' data as tables.
 
 use super::figures::{MAX_FREQUENCY, dispersion_points};
 use crate::analysis::spectrum::Spectrum;
 use crate::studies::paper::tables::SpeedStudy;
 use crate::studies::paper::{Arrangement, Figure, ForceSignal};
+use crate::table::{Cell, Column, Table};
 
-/// Tables 1 and 2.
-pub(super) fn speeds(study: &SpeedStudy) -> String {
-    let mut csv = "scene,paper_experiment_m_per_s,paper_numerics_m_per_s,half_rise_m_per_s,peak_m_per_s,dashpot_half_rise_m_per_s,dashpot_peak_m_per_s\n".to_owned();
-    for row in &study.rows {
-        let (paper, plain, lossy) = (&row.paper, &row.lossless, &row.with_dashpot);
-        let _ = writeln!(
-            csv,
-            "{},{},{},{},{},{},{}",
-            paper.scene,
-            paper.experiment_m_per_s,
-            paper.numerics_m_per_s,
-            plain.half_rise,
-            plain.peak,
-            lossy.half_rise,
-            lossy.peak
-        );
-    }
-    csv
+fn numbers<T: Into<String>>(names: impl IntoIterator<Item = T>) -> Vec<Column> {
+    names.into_iter().map(Column::number).collect()
 }
 
-/// Forces and spectra of a figure: file names and CSV.
-pub(super) fn of_figure(figure: &Figure, stem: &str) -> Vec<(String, String)> {
+/// Tables 1 and 2.
+pub(super) fn speeds(study: &SpeedStudy) -> Table {
+    let mut columns = vec![Column::text("scene")];
+    columns.extend(numbers([
+        "paper_experiment_m_per_s",
+        "paper_numerics_m_per_s",
+        "half_rise_m_per_s",
+        "peak_m_per_s",
+        "dashpot_half_rise_m_per_s",
+        "dashpot_peak_m_per_s",
+    ]));
+    let rows = study.rows.iter().map(|row| {
+        let (paper, plain, lossy) = (&row.paper, &row.lossless, &row.with_dashpot);
+        vec![
+            Cell::from(paper.scene.as_str()),
+            paper.experiment_m_per_s.into(),
+            paper.numerics_m_per_s.into(),
+            plain.half_rise.into(),
+            plain.peak.into(),
+            lossy.half_rise.into(),
+            lossy.peak.into(),
+        ]
+    });
+    Table { columns, rows: rows.collect() }
+}
+
+/// Forces and spectra of a figure: file names and tables.
+pub(super) fn of_figure(figure: &Figure, stem: &str) -> Vec<(String, Table)> {
     if figure.arrangement == Arrangement::Dispersion {
-        let mut csv = "phase_rad,acoustic_hz,optical_hz\n".to_owned();
-        for (phase, acoustic, optical) in dispersion_points(&figure.chain) {
-            let _ = writeln!(csv, "{phase},{acoustic},{optical}");
-        }
-        return vec![(format!("{stem}.csv"), csv)];
+        let rows = dispersion_points(&figure.chain)
+            .into_iter()
+            .map(|(phase, acoustic, optical)| [phase, acoustic, optical].map(Cell::from).to_vec());
+        let columns = numbers(["phase_rad", "acoustic_hz", "optical_hz"]);
+        return vec![(format!("{stem}.csv"), Table { columns, rows: rows.collect() })];
     }
     let signals: Vec<&ForceSignal> = figure.signals.iter().collect();
     let columns: Vec<String> = signals.iter().map(|s| format!("{}_n", s.place.key())).collect();
@@ -51,50 +60,47 @@ pub(super) fn of_figure(figure: &Figure, stem: &str) -> Vec<(String, String)> {
 }
 
 /// Forces over time; all have the same times.
-pub(super) fn traces(signals: &[&ForceSignal], columns: &[String]) -> String {
-    let mut csv = format!("time_s,{}\n", columns.join(","));
-    let Some(first) = signals.first() else { return csv };
-    for index in 0..first.trace.values.len() {
-        let _ = write!(csv, "{:e}", first.trace.time(index));
-        for signal in signals {
-            let value = signal.trace.values.get(index).copied().unwrap_or(f64::NAN);
-            let _ = write!(csv, ",{value:e}");
-        }
-        csv.push('\n');
-    }
-    csv
+pub(super) fn traces(signals: &[&ForceSignal], names: &[String]) -> Table {
+    let mut columns = numbers(["time_s"]);
+    columns.extend(numbers(names));
+    let axis = signals.first().map(|first| &first.trace);
+    let rows = (0..axis.map_or(0, |axis| axis.values.len())).map(|index| {
+        let mut row: Vec<Cell> = vec![axis.map(|axis| axis.time(index)).into()];
+        row.extend(signals.iter().map(|signal| signal.trace.values.get(index).copied().into()));
+        row
+    });
+    let rows = rows.collect();
+    Table { columns, rows }
 }
 
 /// Amplitudes over frequency; all have the same frequencies.
-fn spectra(spectra: &[&Spectrum], columns: &[String]) -> String {
+fn spectra(spectra: &[&Spectrum], names: &[String]) -> Table {
     // Records of one length share their frequencies; others have a column of their own.
     let shared = spectra.windows(2).all(|pair| pair[0].step.to_bits() == pair[1].step.to_bits());
-    let frequency = |column: &String| {
-        if shared {
-            column.clone()
-        } else {
-            format!("{}_hz,{column}", column.trim_end_matches("_n"))
+    let mut columns = Vec::new();
+    for (place, name) in names.iter().enumerate() {
+        if !shared {
+            columns.push(Column::number(format!("{}_hz", name.trim_end_matches("_n"))));
+        } else if place == 0 {
+            columns.push(Column::number("frequency_hz"));
         }
-    };
-    let heading: Vec<String> = columns.iter().map(frequency).collect();
-    let mut csv = format!("{}{}\n", if shared { "frequency_hz," } else { "" }, heading.join(","));
+        columns.push(Column::number(name));
+    }
     let shown = |spectrum: &&Spectrum| {
         (0..spectrum.amplitude.len())
             .take_while(|bin| spectrum.frequency(*bin) <= MAX_FREQUENCY)
             .count()
     };
-    for bin in 0..spectra.iter().map(shown).max().unwrap_or(0) {
-        let cell = |(place, spectrum): (usize, &&Spectrum)| {
-            let value = spectrum.amplitude.get(bin).copied().unwrap_or(f64::NAN);
-            if shared && place > 0 {
-                format!("{value:e}")
-            } else {
-                format!("{},{value:e}", spectrum.frequency(bin))
+    let rows = (0..spectra.iter().map(shown).max().unwrap_or(0)).map(|bin| {
+        let mut row: Vec<Cell> = Vec::new();
+        for (place, spectrum) in spectra.iter().enumerate() {
+            if place == 0 || !shared {
+                row.push(spectrum.frequency(bin).into());
             }
-        };
-        let cells: Vec<String> = spectra.iter().enumerate().map(cell).collect();
-        csv.push_str(&cells.join(","));
-        csv.push('\n');
-    }
-    csv
+            row.push(spectrum.amplitude.get(bin).copied().into());
+        }
+        row
+    });
+    let rows = rows.collect();
+    Table { columns, rows }
 }

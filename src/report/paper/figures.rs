@@ -3,7 +3,7 @@
 use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::spectrum::Spectrum;
 use crate::quantity::engineering;
-use crate::report::sheet::{Axis, COLOURS, Plot, Polyline, Sheet, Stroke, whole_numbers};
+use crate::report::plot::{Axis, COLOURS, Plot, Series, Sheet, Stroke, whole_numbers};
 use crate::studies::paper::tables::SpeedStudy;
 use crate::studies::paper::{Figure, ForceSignal, Viscous};
 use crate::trace::Trace;
@@ -39,9 +39,9 @@ fn sheet(figure: &Figure, columns: usize, size: (f64, f64), panels: Vec<Plot>) -
     }
 }
 
-fn line(name: &str, points: Vec<(f64, f64)>, colour: usize) -> Polyline {
+fn line(name: &str, points: Vec<(f64, f64)>, colour: usize) -> Series {
     let colour = COLOURS[colour % COLOURS.len()];
-    Polyline { name: name.to_owned(), points, colour, stroke: Stroke::Solid }
+    Series { name: name.to_owned(), points, colour, stroke: Stroke::Solid }
 }
 
 pub(super) fn dispersion_points(chain: &DiatomicChain) -> Vec<(f64, f64, f64)> {
@@ -66,7 +66,7 @@ pub(super) fn dispersion(figure: &Figure) -> Sheet {
         let kilo = 1e-3 * frequency;
         panel.words.push((0.02, kilo + 0.25, format!("{name} = {kilo:.3} kHz")));
         let edge = line("", vec![(0.0, kilo), (1.0, kilo)], 6);
-        panel.lines.push(Polyline { stroke: Stroke::Dashed, ..edge });
+        panel.lines.push(Series { stroke: Stroke::Dashed, ..edge });
     }
     sheet(figure, 1, (520.0, 380.0), vec![panel])
 }
@@ -266,7 +266,7 @@ pub(super) fn speeds(study: &SpeedStudy) -> Sheet {
         let shift = 0.12 * (index as f64 - 2.0);
         let points = (0..rows.len()).map(|i| (i as f64 + shift, of(i))).collect();
         let colour = [6, 0, 1, 4, 2][index];
-        panel.lines.push(Polyline { stroke: Stroke::Dots, ..line(name, points, colour) });
+        panel.lines.push(Series { stroke: Stroke::Dots, ..line(name, points, colour) });
     }
     Sheet {
         title: "Tables 1 and 2".to_owned(),

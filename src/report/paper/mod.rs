@@ -1,5 +1,5 @@
-//! The paper, computed: its figures as sheets, their data as CSV, the verdicts as a table and as a
-//! report.
+//! The paper, computed: its figures as sheets, their data as tables, the verdicts as a table and
+//! as a report.
 
 mod data;
 mod figures;
@@ -7,10 +7,11 @@ mod words;
 
 pub use words::{paper, paper_parts};
 
-use super::sheet::sheet_svg;
+use super::plot::Sheet;
 use crate::studies::paper::{Arrangement, Figure, ForceSignal, PaperStudy};
+use crate::table::Table;
 
-/// A picture of the study: file stem, caption, SVG.
+/// A picture of the study: file stem, caption, content.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PaperPicture {
     /// Stem of its files, `figure-04`.
@@ -18,9 +19,9 @@ pub struct PaperPicture {
     /// Caption.
     pub caption: String,
     /// The picture.
-    pub svg: String,
-    /// Its data: file name and CSV.
-    pub data: Vec<(String, String)>,
+    pub sheet: Sheet,
+    /// Its data: file names and tables.
+    pub data: Vec<(String, Table)>,
 }
 
 /// All pictures of a study.
@@ -33,7 +34,7 @@ pub fn paper_pictures(study: &PaperStudy) -> Vec<PaperPicture> {
                 "Tables 1 and 2: speeds from particle 14 to 27, and what one dashpot of {:.1} N s/m in every contact does to them",
                 tables.dashpot
             ),
-            svg: sheet_svg(&figures::speeds(tables)),
+            sheet: figures::speeds(tables),
             data: vec![("tables-1-2.csv".to_owned(), data::speeds(tables))],
         });
     }
@@ -44,7 +45,7 @@ pub fn paper_pictures(study: &PaperStudy) -> Vec<PaperPicture> {
         pictures.push(PaperPicture {
             stem: "viscosity".to_owned(),
             caption: "Incoming shock of Fig. 10 with a dashpot in every contact".to_owned(),
-            svg: sheet_svg(&figures::viscosity(&study.viscosity)),
+            sheet: figures::viscosity(&study.viscosity),
             data: vec![(
                 "viscosity.csv".to_owned(),
                 data::traces(&signals, &names.collect::<Vec<_>>()),
@@ -69,5 +70,5 @@ fn figure_picture(figure: &Figure) -> PaperPicture {
         Arrangement::Far => figures::far(figure),
         Arrangement::Sensors => figures::sensors(figure),
     };
-    PaperPicture { caption, svg: sheet_svg(&sheet), data: data::of_figure(figure, &stem), stem }
+    PaperPicture { caption, sheet, data: data::of_figure(figure, &stem), stem }
 }

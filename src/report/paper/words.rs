@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::PaperPicture;
 use crate::experiment::paper_speeds::PaperSpeed;
 use crate::quantity::Uncertain;
-use crate::report::document::Part;
+use crate::report::page::Part;
 use crate::report::table;
 use crate::studies::paper::tables::{SpeedRow, SpeedStudy};
 use crate::studies::paper::{ClaimFinding, ClaimVerdict, PaperStudy, PrintedValue, Slip};
@@ -63,17 +63,19 @@ pub fn paper(study: &PaperStudy) -> String {
             page.push(String::new());
         }
         let heading = [title, "paper", "here", "differs by", "verdict", "convention"];
-        let mut rows = vec![heading.map(str::to_owned).to_vec()];
-        rows.extend(findings.into_iter().map(|finding| {
-            vec![
-                finding.item.clone(),
-                printed(finding),
-                number(finding.here, &finding.unit),
-                difference(finding),
-                finding.verdict.words().to_owned(),
-                finding.convention.clone(),
-            ]
-        }));
+        let rows = table::titled(
+            heading,
+            findings.into_iter().map(|finding| {
+                vec![
+                    finding.item.clone(),
+                    printed(finding),
+                    number(finding.here, &finding.unit),
+                    difference(finding),
+                    finding.verdict.words().to_owned(),
+                    finding.convention.clone(),
+                ]
+            }),
+        );
         page.extend(table::lines(&rows, &[0, 4, 5]));
     }
     page.push(String::new());
@@ -92,19 +94,21 @@ pub fn paper(study: &PaperStudy) -> String {
 /// Tables 1 and 2 with intervals on both sides: normalised errors by half-rise and first peak.
 fn interval_rows(study: &SpeedStudy) -> Vec<Vec<String>> {
     let heading = ["m/s, ± is 95 %", "half-rise", "peak", "numerics", "E_n", "experiment", "E_n"];
-    let mut rows = vec![heading.map(str::to_owned).to_vec()];
-    rows.extend(study.rows.iter().map(|row| {
-        let shown = |speed: Uncertain| format!("{:.1} ± {:.1}", speed.value, speed.expanded());
-        let paper = |printed: f64| {
-            let [half_rise, peak] = row.normalised_errors(printed);
-            [format!("{printed} ± 0.5"), format!("{half_rise:.1}, {peak:.1}")]
-        };
-        let [numerics, numerics_error] = paper(row.paper.numerics_m_per_s);
-        let [experiment, experiment_error] = paper(row.paper.experiment_m_per_s);
-        let here = [shown(row.half_rise), shown(row.peak)];
-        let row = [row.paper.scene.clone()].into_iter().chain(here);
-        row.chain([numerics, numerics_error, experiment, experiment_error]).collect()
-    }));
+    let rows = table::titled(
+        heading,
+        study.rows.iter().map(|row| {
+            let shown = |speed: Uncertain| format!("{:.1} ± {:.1}", speed.value, speed.expanded());
+            let paper = |printed: f64| {
+                let [half_rise, peak] = row.normalised_errors(printed);
+                [format!("{printed} ± 0.5"), format!("{half_rise:.1}, {peak:.1}")]
+            };
+            let [numerics, numerics_error] = paper(row.paper.numerics_m_per_s);
+            let [experiment, experiment_error] = paper(row.paper.experiment_m_per_s);
+            let here = [shown(row.half_rise), shown(row.peak)];
+            let row = [row.paper.scene.clone()].into_iter().chain(here);
+            row.chain([numerics, numerics_error, experiment, experiment_error]).collect()
+        }),
+    );
     rows
 }
 
@@ -156,19 +160,19 @@ pub fn paper_parts(study: &PaperStudy, pictures: &[PaperPicture]) -> Vec<Part> {
     if !study.slips.is_empty() {
         parts.push(Part::Heading(2, "Misprints".to_owned()));
         let slip = |slip: &Slip| format!("{}: {}", slip.place, slip.says);
-        parts.push(Part::List(study.slips.iter().map(slip).collect()));
+        parts.push(Part::List("misprint", study.slips.iter().map(slip).collect()));
     }
     if let Some(tables) = &study.tables {
         parts.push(Part::Heading(2, "Tables 1 and 2".to_owned()));
         parts.push(Part::Paragraph(best_dashpot(tables)));
-        parts.push(Part::Table(speeds_rows(tables)));
+        parts.push(Part::Table(speeds_rows(tables), &[0]));
         parts.push(Part::Paragraph(agreement(tables)));
-        parts.push(Part::Table(interval_rows(tables)));
+        parts.push(Part::Table(interval_rows(tables), &[0]));
     }
     parts.push(Part::Heading(2, "Figures".to_owned()));
     for picture in pictures {
         let file = format!("{}.svg", picture.stem);
-        parts.push(Part::Picture(file, picture.caption.clone(), picture.svg.clone()));
+        parts.push(Part::Picture(file, picture.caption.clone(), picture.sheet.clone()));
     }
     parts
 }
@@ -185,21 +189,23 @@ fn findings_table(findings: &[&ClaimFinding]) -> Part {
         "verdict",
         "reason",
     ];
-    let mut rows = vec![heading.map(str::to_owned).to_vec()];
-    rows.extend(findings.iter().map(|finding| {
-        vec![
-            finding.item.clone(),
-            finding.place.clone(),
-            finding.says.clone(),
-            printed(finding),
-            number(finding.here, &finding.unit),
-            difference(finding),
-            finding.convention.clone(),
-            finding.verdict.words().to_owned(),
-            finding.reason.clone(),
-        ]
-    }));
-    Part::Table(rows)
+    let rows = table::titled(
+        heading,
+        findings.iter().map(|finding| {
+            vec![
+                finding.item.clone(),
+                finding.place.clone(),
+                finding.says.clone(),
+                printed(finding),
+                number(finding.here, &finding.unit),
+                difference(finding),
+                finding.convention.clone(),
+                finding.verdict.words().to_owned(),
+                finding.reason.clone(),
+            ]
+        }),
+    );
+    Part::Table(rows, &[0])
 }
 
 /// Tables 1 and 2 with what comes out here; speeds from particle 14 to 27 in m/s.
@@ -215,22 +221,24 @@ fn speeds_rows(study: &SpeedStudy) -> Vec<Vec<String>> {
         "change by it",
         "left to experiment",
     ];
-    let mut rows = vec![heading.map(str::to_owned).to_vec()];
-    rows.extend(study.rows.iter().map(|row| {
-        let (paper, plain, lossy) = (&row.paper, &row.lossless, &row.with_dashpot);
-        let speed = |v: f64| format!("{v:.1}");
-        let change = |from: f64, to: f64| format!("{:+.1} %", 100.0 * (to / from - 1.0));
-        vec![
-            paper.scene.clone(),
-            paper.experiment_m_per_s.to_string(),
-            paper.numerics_m_per_s.to_string(),
-            speed(plain.half_rise),
-            speed(plain.peak),
-            speed(lossy.half_rise),
-            speed(lossy.peak),
-            change(plain.half_rise, lossy.half_rise),
-            change(paper.experiment_m_per_s, lossy.half_rise),
-        ]
-    }));
+    let rows = table::titled(
+        heading,
+        study.rows.iter().map(|row| {
+            let (paper, plain, lossy) = (&row.paper, &row.lossless, &row.with_dashpot);
+            let speed = |v: f64| format!("{v:.1}");
+            let change = |from: f64, to: f64| format!("{:+.1} %", 100.0 * (to / from - 1.0));
+            vec![
+                paper.scene.clone(),
+                paper.experiment_m_per_s.to_string(),
+                paper.numerics_m_per_s.to_string(),
+                speed(plain.half_rise),
+                speed(plain.peak),
+                speed(lossy.half_rise),
+                speed(lossy.peak),
+                change(plain.half_rise, lossy.half_rise),
+                change(paper.experiment_m_per_s, lossy.half_rise),
+            ]
+        }),
+    );
     rows
 }

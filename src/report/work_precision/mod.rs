@@ -6,7 +6,7 @@ mod picture;
 mod terminal;
 
 pub use axes::WorkMeasure;
-pub use picture::work_precision_svg;
+pub use picture::work_precision_picture;
 
 use super::table;
 use super::text::{TERMINAL_WIDTH, hanging_indent, wrapped};

@@ -4,7 +4,7 @@ use super::{
     Axes, MethodMark, PLOTTED_QUANTITIES, PlottedQuantity, WorkMeasure, digits, marks, observed,
     reference,
 };
-use crate::report::sheet::{Axis, Plot, Polyline, Sheet, Stroke, sheet_svg};
+use crate::report::plot::{Axis, Plot, Series, Sheet, Stroke};
 use crate::studies::cost::CostStudy;
 
 /// Size of a panel's frame (pixels).
@@ -16,30 +16,30 @@ const GUIDE_COLOUR: &str = "#999999";
 /// Colour of what `--accuracy` chooses.
 const CHOICE_COLOUR: &str = "#000000";
 
-/// The study as an SVG picture.
-pub fn work_precision_svg(study: &CostStudy, work: WorkMeasure) -> String {
+/// The study as a picture.
+pub fn work_precision_picture(study: &CostStudy, work: WorkMeasure) -> Sheet {
     let marks = marks(study);
     let panels = PLOTTED_QUANTITIES.iter().map(|kind| panel(study, work, kind, &marks));
     let of_method = |(index, (method, _, colour, _)): (usize, &MethodMark)| {
         let order = study.orders.iter().find(|order| order.method == *method).and_then(observed);
         let order = order.map_or(String::new(), |order| format!(", order {order} here"));
         let name = format!("{method}{order}");
-        Polyline { name, points: Vec::new(), colour, stroke: stroke(index) }
+        Series { name, points: Vec::new(), colour, stroke: stroke(index) }
     };
-    let chosen = Polyline {
+    let chosen = Series {
         name: "what --accuracy chooses".to_owned(),
         points: Vec::new(),
         colour: CHOICE_COLOUR,
         stroke: Stroke::Dots,
     };
-    sheet_svg(&Sheet {
+    Sheet {
         title: format!("{}: what accuracy costs", study.scene),
         columns: 2,
         size: PANEL_SIZE,
         panels: panels.collect(),
         legend: marks.iter().enumerate().map(of_method).chain([chosen]).collect(),
         note: format!("runs that failed are at the top; reference: {}", reference(study)),
-    })
+    }
 }
 
 /// What colours do not tell apart, dashes do.
@@ -64,7 +64,7 @@ fn panel(
     let y = decades("relative error", axes.error);
     let mut plot = Plot::new(&format!("largest relative error of {}", kind.of), x, y);
     let mut line = |points: Vec<(f64, f64)>, colour: &'static str, stroke: Stroke| {
-        plot.lines.push(Polyline { name: String::new(), points, colour, stroke });
+        plot.lines.push(Series { name: String::new(), points, colour, stroke });
     };
     for order in ORDERS {
         let reach = ((high - low) / order).min(many - few);

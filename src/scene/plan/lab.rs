@@ -59,7 +59,7 @@ pub struct Laboratory {
 
 table! {
     /// The file.
-    pub(in crate::scene) struct LabKeys<'a> {
+    pub struct LabKeys<'a> {
         gravity: f64 = quantity(Dimension::ACCELERATION, GRAVITY).required(),
         gravity_u: &'a Node = any(&[]),
         /// tests drop from each, half and a quarter of it
@@ -81,7 +81,7 @@ table! {
 
 table! {
     /// `[scope]` beside its gain.
-    pub(in crate::scene) struct ScopeKeys<'a> {
+    pub struct ScopeKeys<'a> {
         /// as in a scene: a name that ships, or a file
         model: String =
             text().required().needs("an oscilloscope (`hertzscope list scopes`)"),
@@ -90,7 +90,7 @@ table! {
 
 table! {
     /// `[strikers.NAME]`.
-    pub(in crate::scene) struct LabStrikerKeys<'a> {
+    pub struct LabStrikerKeys<'a> {
         /// of what touches: a name as in scenes
         material: String =
             text().required().needs("a material, e.g. \"stainless_steel\""),

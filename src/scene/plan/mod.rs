@@ -40,7 +40,7 @@ const MIN_DRAWS: u64 = 30_000;
 
 table! {
     /// The file.
-    pub(in crate::scene) struct PlanKeys<'a> {
+    pub struct PlanKeys<'a> {
         /// on the certificate
         title: String = text(),
         laboratory: String = text(),
@@ -68,7 +68,7 @@ table! {
 
 table! {
     /// `[sensor]`.
-    pub(in crate::scene) struct ItemKeys<'a> {
+    pub struct ItemKeys<'a> {
         item: String = text().or(""),
         /// the sensor's file: plate-7.toml
         name: String = text().or("sensor"),
@@ -89,7 +89,7 @@ table! {
 
 table! {
     /// `[scope]` beside its gain.
-    pub(in crate::scene) struct ScopeKeys<'a> {
+    pub struct ScopeKeys<'a> {
         input_resistance: f64 = positive(Dimension::RESISTANCE).or("1 MOhm"),
         input_capacitance: f64 = not_negative(Dimension::CAPACITANCE).or("20 pF"),
         /// instead of both: then the sensor's file holds for any scope behind that amplifier
@@ -99,7 +99,7 @@ table! {
 
 table! {
     /// The scope's gain.
-    pub(in crate::scene) struct GainKeys<'a> {
+    pub struct GainKeys<'a> {
         /// sensor and this channel, at this range, are calibrated as one
         in_chain: bool = flag().or("false"),
         /// of the channel's gain
@@ -111,7 +111,7 @@ table! {
 
 table! {
     /// `[speeds]`.
-    pub(in crate::scene) struct SpeedKeys<'a> {
+    pub struct SpeedKeys<'a> {
         scale_u: f64 = quantity(Dimension::NONE, SHARE).or("0"),
         /// of the light gates
         gate_distance: f64 = quantity(Dimension::LENGTH, Bound::LENGTH),
@@ -121,7 +121,7 @@ table! {
 
 table! {
     /// `[strikers.NAME]`.
-    pub(in crate::scene) struct StrikerKeys<'a> {
+    pub struct StrikerKeys<'a> {
         mass: f64 = quantity(Dimension::MASS, Bound::MASS).required(),
         mass_u: &'a Node = any(&[]),
     }
@@ -129,14 +129,14 @@ table! {
 
 table! {
     /// `[conditions]`.
-    pub(in crate::scene) struct ConditionKeys<'a> {
+    pub struct ConditionKeys<'a> {
         temperature: f64 = positive(Dimension::TEMPERATURE),
     }
 }
 
 table! {
     /// `[traceability]`.
-    pub(in crate::scene) struct TraceKeys<'a> {
+    pub struct TraceKeys<'a> {
         mass: String = text(),
         speed: String = text(),
         voltage: String = text(),
@@ -145,7 +145,7 @@ table! {
 
 table! {
     /// One of `[[impacts]]`.
-    pub(in crate::scene) struct ImpactKeys<'a> {
+    pub struct ImpactKeys<'a> {
         /// beside the plan: .mcap, .csv, .isf, or a folder
         recording: &'a str = text().required().needs(
             "a file: .mcap, .csv, .isf, a folder, or the address of a scope, e.g. tcp://HOST:PORT",

@@ -71,6 +71,7 @@ impl HardCase {
             Ok(()) => (CaseVerdict::Wrong, tally.to_string()),
         };
         let (found, limit) = tally.tightest().filter(|_| verdict != CaseVerdict::Refused).unzip();
+        let found = found.filter(|figure: &f64| figure.is_finite());
         let (case, checks) = (self.name, tally.count());
         CaseResult { case, why: self.why, bound: self.bound, figure, found, limit, checks, verdict }
     }

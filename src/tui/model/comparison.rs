@@ -47,7 +47,7 @@ impl LoadedSide {
         let integration = Integration::Accuracy(scene.accuracy);
         let outcome = run(&scene, integration, 1, &mut |_| ()).map_err(|e| with_reasons(&e))?;
         let metadata = facts::facts(&scene, integration).map_err(|error| with_reasons(&error))?;
-        let attachments = vec![facts::scene_attachment(&scene)];
+        let attachments = facts::scene_attachments(&scene);
         let set =
             TraceSet { shots: vec![outcome.shot], metadata, attachments, ..TraceSet::default() };
         let is_uncertain = !scene.uncertainty.is_empty();

@@ -236,7 +236,7 @@ fn struck(title: &str, text: &str, shot: u32) -> Result<StrikeResult, String> {
     let log = notes.log.iter().map(|(_, line)| line.clone()).collect();
     let set = TraceSet {
         metadata,
-        attachments: vec![facts::scene_attachment(&scene)],
+        attachments: facts::scene_attachments(&scene),
         log,
         notes: std::iter::once((shot, notes)).collect(),
         shots: vec![outcome.shot],

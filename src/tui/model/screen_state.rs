@@ -17,7 +17,7 @@ use super::state::{
 use crate::recording::{Capture, TraceSet};
 use crate::scope::Source;
 use crate::tui::axis::{TurnDirection, ViewWindow};
-use crate::tui::job::Job;
+use crate::tui::job::{Job, JobState};
 use crate::tui::key::KeyPress;
 use crate::tui::view::layout::ScreenLayout;
 
@@ -411,8 +411,8 @@ impl ScreenState {
 
     /// Another bench is on screen: the studies of the one before are dropped.
     pub(super) fn invalidate_studies(&mut self) {
-        self.jobs.study = Default::default();
-        self.jobs.ledger = Default::default();
+        self.jobs.study = JobState::Idle;
+        self.jobs.ledger = JobState::Idle;
         if let Some(page) = self.page {
             (page.0.bench_changed)(self);
         }

@@ -24,7 +24,7 @@ pub use event::ScreenEvent;
 
 use super::job::{Job, Queue};
 use super::model::{Request, ScreenState};
-use crate::recording::mcap::indexed_recording::IndexedRecording;
+use crate::recording::mcap::IndexedRecording;
 
 /// Interval between checks that the terminal still exists.
 const TERMINAL_POLL_INTERVAL: Duration = Duration::from_millis(500);

@@ -6,7 +6,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use super::event::ScreenEvent;
-use crate::recording::mcap::indexed_recording::{IndexedRecording, ReadState};
+use crate::recording::mcap::{IndexedRecording, ReadState};
 use crate::tui::job::{guarded, with_reasons};
 
 /// Interval between looks at a file that may grow.
@@ -41,7 +41,7 @@ struct RecordingWorker {
     reported: Option<(Instant, usize, ReadState)>,
     /// The shot that was sent last, and of how many pieces of the file it and the messages
     /// around it were made.
-    sent: Option<(usize, [usize; 2])>,
+    sent: Option<(usize, usize, (usize, u64))>,
 }
 
 /// The screen is closed.
@@ -88,7 +88,7 @@ impl RecordingWorker {
     /// The shot on screen again, where more of it has come since: its last pieces may not have been
     /// written yet. Messages around it are waited for until an end is reached.
     fn send_rest(&mut self, end: ReadState) -> Result<(), Disconnected> {
-        let Some((place, [pieces, lines])) = self.sent else { return Ok(()) };
+        let Some((place, pieces, lines)) = self.sent else { return Ok(()) };
         let has_lines = || end != ReadState::More && self.recording.line_pieces(place) != lines;
         if self.recording.pieces(place) > pieces || has_lines() {
             return self.send_shot(place);
@@ -97,8 +97,8 @@ impl RecordingWorker {
     }
 
     fn send_shot(&mut self, place: usize) -> Result<(), Disconnected> {
-        self.sent =
-            Some((place, [self.recording.pieces(place), self.recording.line_pieces(place)]));
+        let (pieces, lines) = (self.recording.pieces(place), self.recording.line_pieces(place));
+        self.sent = Some((place, pieces, lines));
         let lines = self.recording.lines_around(place);
         let found = lines.and_then(|lines| Ok((self.recording.shot_and_notes(place)?, lines)));
         match found {

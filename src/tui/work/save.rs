@@ -8,7 +8,7 @@ use ratatui::Terminal;
 use ratatui::backend::TestBackend;
 use ratatui::layout::Size;
 
-use crate::files::{NewFile, Output as _};
+use crate::files::NewFile;
 use crate::recording::{TraceSet, mcap, tek_csv};
 use crate::tui::job::{Job, Queue, with_reasons};
 use crate::tui::model::ScreenState;
@@ -46,7 +46,7 @@ fn write(file: &Path, text: &str) -> Result<String, String> {
     let write = || {
         let mut new = NewFile::numbered(file)?;
         new.write_all(text.as_bytes())?;
-        Box::new(new).complete()
+        new.complete()
     };
     let written = write().map_err(|error| format!("{}: {error}", file.display()))?;
     Ok(written.display().to_string())

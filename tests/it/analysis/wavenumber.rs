@@ -151,7 +151,7 @@ fn the_command_draws_waves_on_branches() {
     let page = String::from_utf8_lossy(&page.get_output().stdout).into_owned();
     assert!(page.contains("gap from f1 7.125 kHz") && page.contains("forward"), "{page}");
     hertzscope(&["dispersion", &recording, "--particle", "1"]).code(2);
-    hertzscope(&["dispersion", &recording, "--least", "0"]).code(2);
+    hertzscope(&["dispersion", &recording, "--min-amplitude", "0"]).code(2);
     hertzscope(&["dispersion", "no-such.mcap"]).code(2);
     let csv = concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml");
     hertzscope(&["dispersion", csv]).code(2);

@@ -57,6 +57,48 @@ fn recordings_folders_and_files_become_one_another() {
     assert_eq!(printed(path, &["convert", "-q", "run.mcap", "quiet"]), "");
 }
 
+/// B3 of the readers: names with a comma moved forces between columns. The CSV is read by the
+/// crate `csv`, the JSON lines by `serde_json`; the expected forces are the recording's.
+#[test]
+fn a_sensors_name_with_comma_quote_or_line_end_keeps_its_column() {
+    let folder = temporary();
+    let path = folder.path();
+    let names = ["a,b", "say \"hi\"", "two\nlines"];
+    let sensor = |(name, particle): (&str, u32)| {
+        let name = serde_json::Value::from(name);
+        format!("[sensors.{name}]\nmodel = \"pzt-5a-710pf\"\nparticle = {particle}\n")
+    };
+    let sensors: String = names.into_iter().zip([5, 9, 12]).map(sensor).collect();
+    std::fs::write(path.join("odd.toml"), format!("base = \"magnet-0.61g\"\n{sensors}"))
+        .expect("a scene");
+    printed(path, &[&["run", "-q", "-o", "odd.mcap", "odd.toml"][..], &QUICK].concat());
+    for file in ["odd.csv", "odd.jsonl"] {
+        printed(path, &["convert", "-q", "--truth", "odd.mcap", file]);
+    }
+    let mut csv = csv::Reader::from_path(path.join("odd.csv")).expect("a table");
+    let head: Vec<String> = csv.headers().expect("a head").iter().map(str::to_owned).collect();
+    let json = std::fs::read_to_string(path.join("odd.jsonl")).expect("a table");
+    let set = open(&path.join("odd.mcap")).expect("a recording");
+    let shot = &set.shots[0];
+    let trigger = shot.trigger_time.expect("a trigger");
+    let rows: Vec<csv::StringRecord> = csv.records().map(|row| row.expect("a row")).collect();
+    assert_eq!((rows.len(), json.lines().count()), (2500, 2500));
+    for name in names {
+        let column = format!("truth_{name}_N");
+        let place = head.iter().position(|head| *head == column).expect(&column);
+        let signal = hertzscope::recording::TrueSignal::Force(name.to_owned());
+        let truth = shot.true_signal(&signal).expect(name);
+        for (row, line) in rows.iter().zip(json.lines()).step_by(97) {
+            let object: Value = serde_json::from_str(line).expect("JSON");
+            let [time, force] = [0, place].map(|at| row[at].parse::<f64>().expect("a number"));
+            let index = ((time + trigger - truth.start) / truth.interval).round() as usize;
+            let expected = truth.values[index];
+            assert!((force - expected).abs() < 1e-6 * (1.0 + expected.abs()), "{name} at {time} s");
+            assert_eq!(object[&column].as_f64(), Some(force), "{name} at {time} s");
+        }
+    }
+}
+
 /// The levels in the files are the levels in the recording.
 #[test]
 fn nothing_is_lost_between_formats() {
@@ -236,57 +278,135 @@ fn an_instrument_can_be_supplied() {
     says(&error, &["tds9", "tds2014, tds2024"]);
 }
 
-/// A recording that is not read at once (over 32 MiB) gives what its shots give in a small one, all
-/// of them and one by one.
+/// The bytes of a recording with `padding` bytes of a private record before its data; without the
+/// checksum of all data, which this would change.
+fn padded(recording: &[u8], padding: usize) -> Vec<u8> {
+    const MAGIC: usize = 8;
+    const PRIVATE: u8 = 0x90;
+    const DATA_END: [u8; 9] = [0x0F, 4, 0, 0, 0, 0, 0, 0, 0];
+    let (magic, data) = recording.split_at(MAGIC);
+    let mut bytes = magic.to_vec();
+    bytes.push(PRIVATE);
+    bytes.extend((padding as u64).to_le_bytes());
+    bytes.resize(bytes.len() + padding, 0xA5);
+    bytes.extend(data);
+    let end = bytes.windows(DATA_END.len()).rposition(|found| found == DATA_END);
+    let end = end.expect("an end") + DATA_END.len();
+    bytes[end..end + 4].fill(0);
+    bytes
+}
+
+/// Every command that reads recordings gives the same for the same shots, whatever the size of the
+/// file: exit code, both outputs, and every file it writes.
 #[test]
-fn large_recordings_are_read_by_shots() {
+fn a_large_recording_is_read_like_a_small_one() {
     let folder = recorded();
     let path = folder.path();
     let mut set = open(&path.join("run.mcap")).expect("a recording");
     let first = set.shots[0].clone();
-    set.shots = (1..=5)
+    set.shots = (1..=3)
         .map(|number| {
             let mut shot = first.clone();
             shot.number = number;
             shot.timestamp_ns += u64::from(number) * 1_000_000_000;
-            shot.truth.clear();
             shot
         })
         .collect();
-    hertzscope::recording::mcap::write(&path.join("small.mcap"), &set).expect("a recording");
-    // Digits that no compression makes less of (xorshift64, Marsaglia 2003).
-    let mut state = 88_172_645_463_325_252_u64;
-    let mut digits = || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        state as f64
-    };
-    let trace = &first.truth[0];
-    for shot in &mut set.shots {
-        let values = (0..1_000_000).map(|_| digits()).collect();
-        shot.truth.push(hertzscope::trace::Trace { values, ..trace.clone() });
+    // A channel that is missing in a shot.
+    set.shots[2].captures.pop();
+    set.lines = [500, 1_500_000_000, 9_500_000_000].map(line).to_vec();
+    hertzscope::recording::mcap::write(&path.join("shots.mcap"), &set).expect("a recording");
+    let recording = bytes(path, "shots.mcap");
+    for (size, padding) in [("small", 10), ("large", 50 << 20)] {
+        std::fs::create_dir(path.join(size)).expect("a folder");
+        std::fs::write(path.join(size).join("x.mcap"), padded(&recording, padding))
+            .expect("a recording");
     }
-    hertzscope::recording::mcap::write(&path.join("large.mcap"), &set).expect("a recording");
-    let length = |name: &str| std::fs::metadata(path.join(name)).expect(name).len();
-    assert!(length("large.mcap") > 32 << 20, "{}", length("large.mcap"));
+    let large = path.join("large/x.mcap");
+    assert!(std::fs::metadata(large).expect("a file").len() > 32 << 20);
+    for (arguments, code) in [
+        ("info x.mcap", 0),
+        ("info x.mcap --json", 0),
+        ("info x.mcap --shot 2 --channel CH2", 0),
+        ("info x.mcap --shot 2 --channel CH2 --json", 0),
+        ("info x.mcap --shot 999", 2),
+        ("info x.mcap --channel CH7", 2),
+        ("arrivals x.mcap", 0),
+        ("arrivals x.mcap --json -o statistics.csv", 0),
+        ("arrivals x.mcap --shot 2", 0),
+        ("arrivals x.mcap --shot 9", 2),
+        ("arrivals x.mcap --channel CH4", 0),
+        ("force x.mcap", 0),
+        ("force x.mcap --shot 3", 0),
+        ("spectrum x.mcap", 0),
+        ("spectrogram x.mcap --shot 2", 0),
+        ("transfer x.mcap --between CH1,CH2", 0),
+        ("dispersion x.mcap", 0),
+        ("compare x.mcap x.mcap --shot 2", 0),
+        ("compare x.mcap x.mcap --shot 9", 2),
+        ("convert x.mcap x.jsonl --channel CH1", 0),
+        ("convert x.mcap x.csv --channel CH1 --newtons", 0),
+        ("convert x.mcap both.csv", 2),
+        ("convert x.mcap folders", 0),
+        ("convert x.mcap res.2026.11/", 0),
+        ("convert x.mcap native.csv --as tds --shot 2 --channel CH2", 0),
+        ("convert x.mcap all.csv --as tds", 0),
+        ("convert x.mcap none.jsonl --shot 999", 2),
+        ("convert x.mcap none.isf", 2),
+        ("convert x.mcap one.isf --shot 3 --channel CH1", 0),
+        ("convert x.mcap x.svg", 0),
+        ("convert x.mcap x.bmp --shot 2", 0),
+        ("convert x.mcap copy.mcap", 0),
+        ("convert x.mcap copy2.mcap --shot 2 --channel CH3", 0),
+        ("convert x.mcap none.mcap --shot 9", 2),
+        ("convert x.mcap x.mcap", 2),
+    ] {
+        let words: Vec<&str> = arguments.split(' ').collect();
+        let [small, large] = ["small", "large"].map(|size| hertzscope(&path.join(size), &words));
+        assert_eq!(small.code, code, "{arguments}: {}", small.stderr);
+        assert_eq!(large.code, code, "{arguments}: {}", large.stderr);
+        assert_eq!(small.stdout, large.stdout, "{arguments}");
+        assert_eq!(small.stderr, large.stderr, "{arguments}");
+    }
+    let [mut small, mut large] = ["small", "large"].map(|size| contents(&path.join(size)));
+    for (folder, size) in [(&mut small, 1 << 20), (&mut large, 50 << 20)] {
+        assert!(folder.remove("x.mcap").expect("the recording").len() > size / 4);
+    }
+    assert_eq!(small.keys().collect::<Vec<_>>(), large.keys().collect::<Vec<_>>());
+    for (name, bytes) in &small {
+        assert!(large[name] == *bytes, "{name} differs");
+    }
+    // All of it is there: every sample of every shot, every shot's folder, every message.
+    let rows = String::from_utf8_lossy(&small["x.jsonl"]).lines().count();
+    assert_eq!(rows, 3 * first.captures[0].waveform.codes.len());
+    for folder in ["folders", "res.2026.11"] {
+        assert!(small.contains_key(&format!("{folder}/ALL0002/F0002CH1.CSV")), "{folder}");
+    }
+    let copy = open(&path.join("large/copy.mcap")).expect("a copy");
+    assert!(copy.shots == set.shots && copy.lines == set.lines && copy.metadata == set.metadata);
+}
 
-    let arrivals = |arguments: &[&str]| printed(path, &[&["arrivals"], arguments].concat());
-    assert_eq!(arrivals(&["large.mcap"]), arrivals(&["small.mcap"]));
-    let shot = ["--shot", "4"];
-    assert_eq!(
-        arrivals(&[&["large.mcap"], &shot[..]].concat()),
-        arrivals(&[&["small.mcap"], &shot[..]].concat())
-    );
-    says(&refused(path, &["arrivals", "large.mcap", "--shot", "9"]), &["shot"]);
+fn line(timestamp_ns: u64) -> hertzscope::recording::ScpiLine {
+    hertzscope::recording::ScpiLine {
+        timestamp_ns,
+        peer: "raw 127.0.0.1:1".to_owned(),
+        direction: hertzscope::recording::Direction::Command,
+        bytes: b"CURVE?".to_vec(),
+    }
+}
 
-    assert_eq!(printed(path, &["convert", "large.mcap", "copy.mcap"]), "copy.mcap\n");
-    let copy = open(&path.join("copy.mcap")).expect("a copy");
-    let large = open(&path.join("large.mcap")).expect("a recording");
-    assert!(copy.shots == large.shots && copy.metadata == large.metadata);
-    printed(path, &["convert", "large.mcap", "one.mcap", "--shot", "4"]);
-    let one = open(&path.join("one.mcap")).expect("a shot");
-    assert!(one.shots.len() == 1 && one.shots[0] == large.shots[3]);
-    says(&refused(path, &["convert", "large.mcap", "none.mcap", "--shot", "9"]), &["shot"]);
-    says(&refused(path, &["convert", "large.mcap", "large.mcap"]), &["another file"]);
+/// The contents of all files below `folder`, by their paths from it.
+fn contents(folder: &Path) -> std::collections::BTreeMap<String, Vec<u8>> {
+    let mut found = std::collections::BTreeMap::new();
+    for entry in std::fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        let name = path.file_name().expect("a name").to_string_lossy().into_owned();
+        if path.is_dir() {
+            let inside = contents(&path).into_iter();
+            found.extend(inside.map(|(file, bytes)| (format!("{name}/{file}"), bytes)));
+        } else {
+            found.insert(name, std::fs::read(&path).expect("a file"));
+        }
+    }
+    found
 }

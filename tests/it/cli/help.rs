@@ -1,37 +1,35 @@
 //! Help, completions, manual pages, the list of scenes.
 
+use clap::CommandFactory as _;
+
 use super::{COULD_NOT, files, hertzscope, printed, refused, says, temporary};
 
-const SUBCOMMANDS: &[(&str, &[&str])] = &[
-    (
-        "run",
-        &["[SCENE]", "--output", "--accuracy", "--method", "--step", "--seed", "--json", "--quiet"],
-    ),
-    ("info", &["<FILE>", "--json"]),
-    ("convert", &["<INPUT>", "<OUTPUT>", "--quiet"]),
-    ("hard-cases", &["--why", "--json", "--quiet"]),
-    ("effects", &["[SCENE]", "--accuracy", "--why", "--json", "--quiet"]),
-    ("scenes", &["[NAME]", "--json"]),
-    ("list", &["<KIND>", "[NAME]", "--json", "materials", "sensors", "scopes"]),
-    #[cfg(feature = "server")]
-    ("serve", &["[SCENE]", "--listen", "--vxi11", "--impact-every", "late=TIME", "--header"]),
-    #[cfg(feature = "tui")]
-    ("view", &["<WHAT>"]),
-    ("completions", &["<SHELL>", "bash", "zsh", "fish"]),
-    ("man", &["--output"]),
-];
+/// Names of all commands.
+fn subcommands() -> Vec<String> {
+    let command = hertzscope::cli::Arguments::command();
+    command.get_subcommands().map(|found| found.get_name().to_owned()).collect()
+}
 
 #[test]
 fn every_subcommand_has_help() {
     let folder = temporary();
     let all = printed(folder.path(), &["--help"]);
-    for (command, options) in SUBCOMMANDS {
-        says(&all, &[command]);
-        let page = printed(folder.path(), &[command, "--help"]);
-        says(&page, &[&format!("Usage: hertzscope {command}")]);
-        says(&page, options);
+    let command = hertzscope::cli::Arguments::command();
+    assert!(command.get_subcommands().count() > 20);
+    for found in command.get_subcommands() {
+        let name = found.get_name();
+        assert!(all.lines().any(|line| line.starts_with(&format!("  {name} "))), "{name}: {all}");
+        let page = printed(folder.path(), &[name, "--help"]);
+        says(&page, &[&format!("Usage: hertzscope {name}"), "Example:", "Exit code:"]);
+        for argument in found.get_arguments().filter(|argument| !argument.is_hide_set()) {
+            if let Some(long) = argument.get_long() {
+                says(&page, &[&format!("--{long}")]);
+            }
+            let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
+            assert!(!help.is_empty(), "{name} {}: no help", argument.get_id());
+        }
         for line in page.lines() {
-            assert!(line.chars().count() <= 100, "{command}: {line}");
+            assert!(line.chars().count() <= 100, "{name}: {line}");
         }
     }
     says(&printed(folder.path(), &["--version"]), &[env!("CARGO_PKG_VERSION")]);
@@ -90,8 +88,8 @@ fn completions_know_commands_scenes_and_recordings() {
         String::from_utf8(output).expect("text").lines().map(str::to_owned).collect::<Vec<_>>()
     };
     let all = offered(&[""]);
-    for (command, _) in SUBCOMMANDS {
-        assert!(all.iter().any(|word| word == command), "{command} in {all:?}");
+    for command in subcommands() {
+        assert!(all.contains(&command), "{command} in {all:?}");
     }
     assert_eq!(offered(&["run", "magnet-1"]), ["magnet-1.22g", "magnet-17.81g"]);
     assert_eq!(offered(&["run", "m"])[0], "mine.toml");
@@ -120,7 +118,7 @@ fn manual_pages_are_printed_and_written() {
     says(&page, &[".TH hertzscope 1", "SYNOPSIS", "run"]);
     assert_eq!(printed(folder.path(), &["man", "--output", "pages"]), "");
     let pages = files(&folder.path().join("pages"));
-    for (command, _) in SUBCOMMANDS {
+    for command in subcommands() {
         assert!(pages.contains(&format!("hertzscope-{command}.1")), "{pages:?}");
     }
     let page =

@@ -99,7 +99,7 @@ fn a_memory_stick_is_one_recording_of_many_shots() {
     );
     says(
         &printed(path, &["info", "stick", "--shot", "3"]),
-        &["shot 3, measured", "  dated 20", " UTC"],
+        &["shot 3, measured", "  date of the file: 20", " UTC"],
     );
     assert_eq!(
         json(path, &["info", "stick", "--shot", "3", "--channel", "CH2"])["shots"][0]["captures"]
@@ -320,7 +320,7 @@ fn plain_tables_for_other_programs() {
     let rows: Vec<&str> = one.lines().collect();
     assert_eq!((rows[0], rows[1], rows.len()), ("time_s,CH1_V,CH2_V", "-0.00025,0,0", 2501));
     // Row 251 is the trigger; 20 µs later plus half of 40 µs the pulse is at its top.
-    assert_eq!((rows[251], rows[291]), ("0,0,0", "0.00004,2,0"));
+    assert_eq!((rows[251], rows[291]), ("0,0,0", "4e-5,2,0"));
     // It is read back with the same values.
     let back = json(path, &["info", "one.csv"]);
     assert_eq!(number(&back["shots"][0]["captures"][0]["highest"]), 2.0);

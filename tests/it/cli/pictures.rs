@@ -4,6 +4,60 @@ use super::{QUICK, files, hertzscope, printed, refused, says, temporary};
 
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 
+/// The points of a path `M1 2L3 4`.
+fn points(path: &str) -> Vec<(f64, f64)> {
+    let numbers = path.split(['M', 'L']).filter_map(|point| {
+        let (x, y) = point.trim().split_once(' ')?;
+        Some((x.parse().ok()?, y.parse().ok()?))
+    });
+    numbers.collect()
+}
+
+/// The abscissa of the picture's point is the frame's logarithm-free share of the preload, its
+/// ordinate that of the band edge in the printed table: both are read back through the ticks of the
+/// axes, by their own text and place. `resvg`'s parser `usvg` parses the SVG.
+#[test]
+fn a_plot_shows_the_points_of_the_table() {
+    let folder = temporary();
+    let json = printed(folder.path(), &["bands", "--plot", "gap.svg", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let text = std::fs::read_to_string(folder.path().join("gap.svg")).expect("an SVG");
+    #[cfg(feature = "png")]
+    resvg::usvg::Tree::from_str(&text, &resvg::usvg::Options::default()).expect("valid SVG");
+    // Names of ticks with their places, along one axis.
+    let ticks = |anchor: &str, axis: &str| -> Vec<(f64, f64)> {
+        let lines = text.lines().filter(|line| line.contains(&format!("text-anchor=\"{anchor}\"")));
+        let ticks = lines.filter_map(|line| {
+            let (_, at) = line.split_once(&format!(" {axis}=\""))?;
+            let (at, _) = at.split_once('"')?;
+            let (_, name) = line.split_once('>')?;
+            let name = name.split('<').next()?;
+            Some((name.parse::<f64>().ok()?, at.parse::<f64>().ok()?))
+        });
+        ticks.collect()
+    };
+    let to_value = |ticks: &[(f64, f64)], at: f64| {
+        let (first, last) = (ticks[0], ticks[ticks.len() - 1]);
+        first.0 + (at - first.1) * (last.0 - first.0) / (last.1 - first.1)
+    };
+    let (across, up) = (ticks("middle", "x"), ticks("end", "y"));
+    let path = text
+        .lines()
+        .filter(|line| line.contains("stroke=\"#1060b0\""))
+        .find_map(|line| line.split_once("d=\"")?.1.split('"').next())
+        .expect("the curve");
+    let drawn = points(path);
+    let bands = json["bands"].as_array().expect("rows");
+    assert_eq!(drawn.len(), bands.len());
+    for ((x, y), row) in drawn.into_iter().zip(bands) {
+        let [preload, edge] = ["preload_n", "f1_hz"].map(|key| row[key].as_f64().expect(key));
+        // Ticks of the ordinate are kilohertz, 4 pixels above their names; a pixel is 0.13 N, 30 Hz.
+        assert!((to_value(&across, x) - preload).abs() < 0.1, "{preload} N at {x}");
+        let height = 1e3 * to_value(&up, y + 4.0);
+        assert!((height - edge).abs() < 30.0, "{edge} Hz at {y}: {height}");
+    }
+}
+
 #[test]
 fn plots_are_svg_or_png_by_their_ending() {
     let folder = temporary();
@@ -24,18 +78,18 @@ fn runs_are_drawn_light_and_dark() {
     let folder = temporary();
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("an SVG");
     printed(folder.path(), &[&["run", "-q", "--plot", "light.svg"][..], &QUICK].concat());
-    let dark = ["run", "-q", "--plot", "dark.svg", "--dark", "--bands", "--samples", "20"];
+    let dark = ["run", "-q", "--plot", "dark.svg", "--theme", "dark", "--bands", "--samples", "20"];
     printed(folder.path(), &dark);
     for (name, ground, other) in [
-        ("light.svg", "fill=\"#ffffff\"", "fill=\"rgb(16,16,16)\""),
-        ("dark.svg", "fill=\"rgb(16,16,16)\"", "fill=\"#ffffff\""),
+        ("light.svg", "fill=\"#ffffff\"", "fill=\"#101010\""),
+        ("dark.svg", "fill=\"#101010\"", "fill=\"#ffffff\""),
     ] {
         let svg = read(name);
         says(&svg, &["CH1 (V)", "CH2 (V)", "CH3 (V)", "CH4 (V)", ground]);
         assert!(!svg.contains(other), "{name}");
         assert_eq!(svg.contains("95 % of the traces"), name == "dark.svg");
     }
-    says(&hertzscope(folder.path(), &["run", "--dark"]).stderr, &["--plot"]);
+    says(&hertzscope(folder.path(), &["run", "--theme", "dark"]).stderr, &["--plot"]);
 }
 
 #[test]

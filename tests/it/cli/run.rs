@@ -478,3 +478,45 @@ fn what_no_bench_could_be_is_told() {
     write("law.toml", "[effects.magnet_law]\nmodel = \"x\"\n");
     says(&refused(folder.path(), &["run", "law.toml"]), &["effects.magnet_law: found"]);
 }
+
+/// A recording carries everything its scene is based on: moved to another machine, it is analysed
+/// as beside its files.
+#[test]
+fn a_recording_is_analysed_without_the_files_of_its_scene() {
+    let folder = temporary();
+    let (here, there) = (folder.path().join("lab"), folder.path().join("elsewhere"));
+    std::fs::create_dir_all(here.join("parts")).expect("a folder");
+    std::fs::create_dir(&there).expect("a folder");
+    let data = hertzscope::data::instrument;
+    for (file, kind, name) in [
+        ("basis.toml", "scenes", "magnet-0.61g"),
+        ("parts/sensor.toml", "sensors", "pzt-5a-710pf"),
+        ("parts/striker.toml", "strikers", "alumina-1.22g"),
+    ] {
+        std::fs::write(here.join(file), data(kind, name).expect(name)).expect("a file");
+    }
+    let scene = "base = \"basis.toml\"\ntitle = \"all from files\"\n\
+                 [striker]\nmodel = \"parts/striker.toml\"\n\
+                 [sensors.p2]\nmodel = \"parts/sensor.toml\"\n";
+    std::fs::write(here.join("own.toml"), scene).expect("a file");
+    let run = [&["run", "own.toml", "-q", "-o", "own.mcap"][..], &QUICK].concat();
+    printed(&here, &run);
+    std::fs::copy(here.join("own.mcap"), there.join("own.mcap")).expect("a copy");
+    for arguments in [
+        "info own.mcap",
+        "arrivals own.mcap",
+        "force own.mcap",
+        "spectrum own.mcap",
+        "convert own.mcap folders",
+    ] {
+        let words: Vec<&str> = arguments.split(' ').collect();
+        let (beside, moved) = (hertzscope(&here, &words), hertzscope(&there, &words));
+        assert_eq!((beside.code, moved.code), (0, 0), "{arguments}: {}", moved.stderr);
+        assert_eq!(moved.stdout, beside.stdout, "{arguments}");
+        assert_eq!(moved.stderr, beside.stderr, "{arguments}");
+    }
+    // The scene as typed is there, too.
+    let set = hertzscope::recording::format::open(&there.join("own.mcap")).expect("a recording");
+    let typed = set.attachments.iter().find(|attachment| attachment.name == "own.toml");
+    assert_eq!(typed.expect("the scene").data, scene.as_bytes());
+}

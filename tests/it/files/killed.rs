@@ -5,10 +5,21 @@ use std::path::Path;
 
 use super::{QUICK, command, contents, done};
 
+type Contents = BTreeMap<String, Vec<u8>>;
+
 /// Ends `arguments` at each write in turn, in a folder made anew by `prepare`, until one goes
 /// through. What is there then is always what was there before or what is there in the end. Returns
 /// how often it was ended.
 fn kill_everywhere(prepare: &dyn Fn(&Path), arguments: &[&str]) -> u32 {
+    kill_each(prepare, arguments, &|found, old, new| found == old || found == new)
+}
+
+/// As [`kill_everywhere`]; `is_right` judges what is there between the contents before and after.
+fn kill_each(
+    prepare: &dyn Fn(&Path),
+    arguments: &[&str],
+    is_right: &dyn Fn(&Contents, &Contents, &Contents) -> bool,
+) -> u32 {
     let prepared = || {
         let folder = tempfile::tempdir().expect("a folder");
         prepare(folder.path());
@@ -32,8 +43,11 @@ fn kill_everywhere(prepare: &dyn Fn(&Path), arguments: &[&str]) -> u32 {
             assert!(found == new, "{arguments:?}: other bytes");
             return at - 1;
         }
-        let is_either = found == old || found == new;
-        assert!(is_either, "{arguments:?} ended at write {at}: {:?}", names(&found));
+        assert!(
+            is_right(&found, &old, &new),
+            "{arguments:?} ended at write {at}: {:?}",
+            names(&found)
+        );
         if found == new {
             restore(folder.path(), &old);
             prepare(folder.path());
@@ -107,7 +121,13 @@ fn calibrate_leaves_the_old_results_or_the_new_ones() {
         std::fs::write(folder.join("out/mine/notes.txt"), "mine").expect("a file");
         std::fs::write(folder.join("out/notes.txt"), "mine").expect("a file");
     };
-    assert!(kill_everywhere(&prepare, &["calibrate", &two, "-o", "out"]) > 20);
+    // Files are replaced one after the other: each is the old or the new one, whole.
+    let each = |found: &Contents, old: &Contents, new: &Contents| {
+        found.iter().all(|(name, bytes)| [old, new].iter().any(|of| of.get(name) == Some(bytes)))
+            && old.keys().all(|name| found.contains_key(name))
+    };
+    assert!(kill_each(&prepare, &["calibrate", &two, "-o", "out"], &each) > 20);
+    // A folder that is not there yet appears with all of them.
     assert!(kill_everywhere(&|_| (), &["calibrate", &two, "-o", "out"]) > 20);
 }
 

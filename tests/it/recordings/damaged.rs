@@ -110,6 +110,26 @@ fn damage_behind_the_data_costs_nothing() {
     }
 }
 
+/// What a power cut leaves: zeros in the place of the last records, however many.
+#[test]
+fn a_tail_of_zeros_is_named_once() {
+    let (set, bytes, chunks, _) = sound();
+    for zeros in [1, 9, 100_000, 64 << 20] {
+        let mut cut = bytes[..chunks[1]].to_vec();
+        cut.resize(chunks[1] + zeros, 0);
+        let back = read(&cut).expect("two shots");
+        assert_eq!(back.shots, set.shots[..2]);
+        assert_eq!(back.problems.len(), 1, "{:?}", back.problems);
+        if zeros >= 9 {
+            assert!(back.problems[0].contains("zeros"), "{:?}", back.problems);
+        }
+    }
+    let mut nothing = MAGIC.to_vec();
+    nothing.resize(64 << 20, 0);
+    let error = read(&nothing).expect_err("no recording").to_string();
+    assert!(error.contains("zeros") && error.contains("expected a recording"), "{error}");
+}
+
 /// One chunk goes, the others stay: it is found again behind the damage.
 #[test]
 fn a_spoilt_chunk_takes_no_other_with_it() {

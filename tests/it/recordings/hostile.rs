@@ -273,6 +273,20 @@ fn captures_with_numbers_that_are_none() {
             says(&with_capture(&capture), &["/scope/ch1", name, "a finite number"]);
         }
     }
+    // Finite numbers whose products and quotients are not.
+    for (name, change) in [
+        ("value", (|c| c.y_mult = 1e38) as fn(&mut CaptureMessage)),
+        ("y_off", |c| (c.y_mult, c.y_off) = (1e30, Some(1e290))),
+        ("y_off", |c| c.y_off = Some(1e13)),
+        ("x_incr", |c| c.dt_s = 1e-310),
+        ("sample intervals", |c| c.t0_s = Some(-9e12)),
+        ("y_mult", |c| c.y_mult = 4e-322),
+    ] {
+        let mut capture = good_capture();
+        capture.codes = vec![1, 2, 100];
+        change(&mut capture);
+        says(&with_capture(&capture), &["/scope/ch1", name, "expected"]);
+    }
     for dt_s in [0.0, -1e-6] {
         says(&with_capture(&CaptureMessage { dt_s, ..good_capture() }), &["dt_s", "above zero"]);
     }
@@ -312,18 +326,45 @@ fn series_and_energies_with_numbers_that_are_none() {
         ]
     };
     assert_eq!(read(&file(&with(&good))).expect("sound").shots[0].truth[0].values, [1.0, 2.0]);
-    for dt_s in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+    for dt_s in [0.0, -1.0] {
         says(&with(&SeriesMessage { dt_s, ..good.clone() }), &["/truth/x", "increasing"]);
+    }
+    for dt_s in [f64::NAN, f64::INFINITY] {
+        says(&with(&SeriesMessage { dt_s, ..good.clone() }), &["/truth/x", "dt_s", "finite"]);
     }
     says(&with(&SeriesMessage { t0_s: f64::NAN, ..good.clone() }), &["finite"]);
     says(&with(&SeriesMessage { values: vec![0.0, f64::NAN], ..good.clone() }), &["value 1"]);
-    let energy = EnergyMessage { shot: 1, drift: f64::NAN, ..EnergyMessage::default() };
-    let records = [
-        schema(1, "hertzscope.Energy"),
-        channel(1, 1, "/energy", "protobuf"),
-        message(1, &energy.encode_to_vec()),
-    ];
-    says(&records, &["/energy", "finite"]);
+    // Every number of the ledger, also one that is added later: all are 8 bytes behind a key.
+    let ledger = EnergyMessage {
+        initial_j: 1.0,
+        final_j: 1.0,
+        dissipated_j: 1.0,
+        drift: 1.0,
+        kinetic_j: 1.0,
+        elastic_j: 1.0,
+        gravity_j: 1.0,
+        magnet_j: 1.0,
+        end_forces_j: 1.0,
+        dashpot_j: 1.0,
+        kuwabara_kono_j: 1.0,
+        power_law_loss_j: 1.0,
+        left_in_contacts_j: 1.0,
+        ..EnergyMessage::default()
+    };
+    let sound = ledger.encode_to_vec();
+    let places: Vec<usize> =
+        (1..=sound.len() - 8).filter(|at| sound[*at..at + 8] == 1_f64.to_le_bytes()).collect();
+    assert_eq!(places.len(), 13);
+    for place in places {
+        let mut changed = sound.clone();
+        changed[place..place + 8].copy_from_slice(&f64::NAN.to_le_bytes());
+        let records = [
+            schema(1, "hertzscope.Energy"),
+            channel(1, 1, "/energy", "protobuf"),
+            message(1, &changed),
+        ];
+        says(&records, &["/energy", " = NaN", "a finite number"]);
+    }
 }
 
 /// A hundred are told, the rest is counted.

@@ -107,7 +107,7 @@ fn recording(scene: &Scene, shots: u32) -> Vec<u8> {
     // A loose accuracy: this is about bytes, not about physics.
     let integration = Integration::Accuracy(1e-3);
     let known = facts::facts(scene, integration).expect("stable");
-    let attachments = [facts::scene_attachment(scene)];
+    let attachments = facts::scene_attachments(scene);
     let mut writer = RecordingWriter::create(&file, &known, &attachments).expect("writable");
     for number in 1..=shots {
         let outcome = experiment::run(scene, integration, number, &mut |_| {}).expect("a run");

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use hertzscope::scene::plan;
-use hertzscope::scene::resolved::{annotated, resolved};
+use hertzscope::scene::resolved::annotated;
 use hertzscope::scene::{Problem, Scene, SceneError};
 
 use super::{BENCH, problems};
@@ -23,7 +23,7 @@ const UNKNOWN: &str = "zzz = 1";
 
 fn same(name: &str) {
     let scene = Scene::load(name).unwrap_or_else(|error| panic!("{name}: {error}"));
-    let text = resolved(name).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let text = Scene::resolved(name).unwrap_or_else(|error| panic!("{name}: {error}"));
     let again = Scene::from_text(&scene.name, "shown.toml", &text);
     let again = again.unwrap_or_else(|error| panic!("{name}: {error}\n{text}"));
     let as_if = Scene {
@@ -58,7 +58,7 @@ fn what_is_shown_is_the_same_scene() {
         same(file.to_str().expect("a path"));
     }
     let shown =
-        resolved(folder.path().join("own.toml").to_str().expect("a path")).expect("a scene");
+        Scene::resolved(folder.path().join("own.toml").to_str().expect("a path")).expect("a scene");
     // What stands where: typed, from a file, by default.
     let line =
         |key: &str| shown.lines().find(|line| line.starts_with(key)).expect("a line").to_owned();
@@ -283,7 +283,10 @@ fn what_is_wrong_is_not_shown() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("x.toml");
     std::fs::write(&file, "base = \"magnet-0.61g\"\nseeed = 1\n").expect("a file");
-    assert!(matches!(resolved(file.to_str().expect("a path")), Err(SceneError::Problems(_))));
+    assert!(matches!(
+        Scene::resolved(file.to_str().expect("a path")),
+        Err(SceneError::Problems(_))
+    ));
 }
 
 /// Every `# key = value` line of the annotated scene, uncommented alone: what is refused is that it

@@ -16,7 +16,7 @@ use super::{Client, IDENTITY, Server, connect, scene};
 fn recorded(file: &Path) -> Server {
     let scene = scene();
     let known = facts::facts(&scene, Integration::Accuracy(scene.accuracy)).expect("stable");
-    let writer = RecordingWriter::create_live(file, &known, &[facts::scene_attachment(&scene)]);
+    let writer = RecordingWriter::create_live(file, &known, &facts::scene_attachments(&scene));
     Server::serving(scene, ServerOptions::default(), Some(writer.expect("writable")))
 }
 

@@ -5,8 +5,8 @@ use std::path::Path;
 use std::time::Duration;
 
 use super::bench::{after, channel, draw, model, recording, shot};
-use hertzscope::recording::mcap::indexed_recording::{IndexedRecording, ReadState};
 use hertzscope::recording::mcap::{self, RecordingWriter, ShotNotes};
+use hertzscope::recording::mcap::{IndexedRecording, ReadState};
 use hertzscope::recording::{Direction, ScpiLine, Shot, TraceSet};
 use hertzscope::trace::Trace;
 use hertzscope::tui::axis::TurnDirection;
@@ -55,9 +55,12 @@ fn a_tape_holds_what_reading_all_of_it_finds() {
     assert_eq!(tape.shots(), 5);
     // In any order.
     for place in [4, 0, 2, 1, 3] {
-        assert_eq!(tape.shot(place).expect("readable").as_ref(), whole.shots.get(place));
+        assert_eq!(
+            tape.shot_and_notes(place).expect("readable").map(|(shot, _)| shot).as_ref(),
+            whole.shots.get(place)
+        );
     }
-    assert_eq!(tape.shot(5).expect("readable"), None);
+    assert_eq!(tape.shot_and_notes(5).expect("readable").map(|(shot, _)| shot), None);
     let facts = tape.facts();
     assert_eq!((facts.metadata, facts.attachments), (whole.metadata, whole.attachments));
     assert_eq!((facts.log, facts.problems), (whole.log, whole.problems));
@@ -69,7 +72,10 @@ fn a_shipped_recording_with_truth_is_read_shot_by_shot_alike() {
     let whole = mcap::read(&file).expect("a recording");
     let mut tape = IndexedRecording::open(&file).expect("a tape");
     assert_eq!(read_to_end(&mut tape), ReadState::Finished);
-    assert_eq!(tape.shot(0).expect("readable").as_ref(), whole.shots.first());
+    assert_eq!(
+        tape.shot_and_notes(0).expect("readable").map(|(shot, _)| shot).as_ref(),
+        whole.shots.first()
+    );
 }
 
 #[test]
@@ -84,7 +90,10 @@ fn a_growing_tape_gets_each_shot_once_it_is_whole() {
         writer.add(shot, &ShotNotes::default()).expect("written");
         assert_eq!(read_to_end(&mut tape), ReadState::Open);
         assert_eq!(tape.shots(), number);
-        assert_eq!(tape.shot(number - 1).expect("readable").as_ref(), Some(shot));
+        assert_eq!(
+            tape.shot_and_notes(number - 1).expect("readable").map(|(shot, _)| shot).as_ref(),
+            Some(shot)
+        );
     }
     writer.finish().expect("finished");
     assert_eq!(read_to_end(&mut tape), ReadState::Finished);
@@ -107,7 +116,10 @@ fn a_tape_cut_anywhere_keeps_what_is_whole() {
         assert!(tape.shots() >= most, "fewer shots from a longer file");
         most = tape.shots();
         for place in 0..most {
-            assert_eq!(tape.shot(place).expect("readable").as_ref(), set.shots.get(place));
+            assert_eq!(
+                tape.shot_and_notes(place).expect("readable").map(|(shot, _)| shot).as_ref(),
+                set.shots.get(place)
+            );
         }
     }
     assert_eq!(most, 3);

@@ -246,7 +246,7 @@ impl ServedSnapshot {
                 set.metadata = facts;
             }
             set.metadata.extend(facts::shot_facts(scene, number, number));
-            set.attachments = vec![facts::scene_attachment(scene)];
+            set.attachments = facts::scene_attachments(scene);
         }
         set
     }

@@ -4,7 +4,6 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use csv::StringRecord;
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical, ZstdLevel};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
@@ -12,9 +11,8 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::Type;
 
+use super::cell::{Cell, Column, ColumnKind, TableError};
 use crate::files::NewFile;
-use crate::sweep::SweepError;
-use crate::sweep::plan::{Column, ColumnKind};
 
 /// Rows that are kept in memory and written together.
 const ROWS_OF_GROUP: usize = 65_536;
@@ -35,32 +33,32 @@ enum Values {
 }
 
 impl ParquetFile {
-    pub(super) fn new(name: &Path, file: NewFile, columns: &[Column]) -> Result<Self, SweepError> {
+    pub(super) fn new(name: &Path, file: NewFile, columns: &[Column]) -> Result<Self, TableError> {
         let name = name.display().to_string();
         let began = begin(file, columns);
-        let writer = began.map_err(|source| SweepError::Parquet { file: name.clone(), source })?;
+        let writer = began.map_err(|source| TableError::Parquet { file: name.clone(), source })?;
         let columns = columns.iter().map(|column| Values::of(column.kind)).collect();
         Ok(Self { name, writer, columns, rows: 0 })
     }
 
-    pub(super) fn row(&mut self, cells: &StringRecord) -> Result<(), SweepError> {
+    pub(super) fn row(&mut self, cells: &[Cell]) -> Result<(), TableError> {
         self.columns.iter_mut().zip(cells).for_each(|(column, cell)| column.push(cell));
         self.rows += 1;
         if self.rows == ROWS_OF_GROUP { self.write() } else { Ok(()) }
     }
 
-    fn write(&mut self) -> Result<(), SweepError> {
+    fn write(&mut self) -> Result<(), TableError> {
         let written = group(&mut self.writer, &mut self.columns);
         self.rows = 0;
-        written.map_err(|source| SweepError::Parquet { file: self.name.clone(), source })
+        written.map_err(|source| TableError::Parquet { file: self.name.clone(), source })
     }
 
-    pub(super) fn finish(mut self) -> Result<NewFile, SweepError> {
+    pub(super) fn finish(mut self) -> Result<NewFile, TableError> {
         if self.rows > 0 {
             self.write()?;
         }
         let Self { name, writer, .. } = self;
-        writer.into_inner().map_err(|source| SweepError::Parquet { file: name, source })
+        writer.into_inner().map_err(|source| TableError::Parquet { file: name, source })
     }
 }
 
@@ -78,7 +76,7 @@ fn begin(file: NewFile, columns: &[Column]) -> Result<SerializedFileWriter<NewFi
             .build()?;
         fields.push(Arc::new(field));
     }
-    let schema = Type::group_type_builder("sweep").with_fields(fields).build()?;
+    let schema = Type::group_type_builder("table").with_fields(fields).build()?;
     let compression = Compression::ZSTD(ZstdLevel::default());
     let properties = WriterProperties::builder().set_compression(compression).build();
     SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties))
@@ -108,15 +106,20 @@ impl Values {
         }
     }
 
-    fn push(&mut self, cell: &str) {
-        match self {
-            Self::Numbers(values) => values.push(cell.parse().ok()),
-            Self::Counts(values) => values.push(cell.parse().ok()),
-            Self::Texts(values) => values.push((!cell.is_empty()).then(|| ByteArray::from(cell))),
+    fn push(&mut self, cell: &Cell) {
+        match (self, cell) {
+            (Self::Numbers(values), Cell::Number(value)) => values.push(Some(*value)),
+            (Self::Counts(values), Cell::Count(count)) => values.push(i64::try_from(*count).ok()),
+            (Self::Texts(values), Cell::Text(text)) => {
+                values.push(Some(ByteArray::from(text.as_str())))
+            }
+            (Self::Numbers(values), _) => values.push(None),
+            (Self::Counts(values), _) => values.push(None),
+            (Self::Texts(values), _) => values.push(None),
         }
     }
 
-    /// Writes all values into `column` and forgets them.
+    /// Writes all values into `column` and empties the list.
     fn write(&mut self, column: &mut SerializedColumnWriter<'_>) -> Result<(), ParquetError> {
         match self {
             Self::Numbers(values) => {
