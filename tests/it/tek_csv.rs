@@ -6,6 +6,7 @@
 //! variable `HERTZSCOPE_CAPTURES` names their folder.
 
 mod captures;
+mod changed;
 mod foreign;
 mod foreign_captures;
 mod foreign_random;

@@ -1,6 +1,5 @@
 //! Splits a CSV file into rows and cells: whatever separator, decimal mark, quotes and line ends a
-//! program put there. Comes before the readers of the foreign dialects; the native reader splits
-//! its rows with the same [`RowFields`].
+//! program put there. Comes before all readers.
 //!
 //! A number is kept with the digits it was printed with, because they bound how far it may lie from
 //! the true one.
@@ -116,12 +115,6 @@ impl<'a> Cells<'a> {
         self.texts().all(str::is_empty)
     }
 
-    /// Whether every cell with something in it holds a number, and at least two do.
-    pub(super) fn is_samples(&self) -> bool {
-        let mut filled = self.texts().filter(|cell| !cell.is_empty());
-        filled.clone().count() >= 2 && filled.all(|cell| self.parse(cell).is_some())
-    }
-
     pub(super) fn maybe_number(&self, index: usize) -> Option<PrintedNumber> {
         self.parse(self.text(index))
     }
@@ -202,19 +195,17 @@ fn separator(lines: &[&str]) -> char {
     [';', '\t'].into_iter().find(|mark| head().any(|line| line.contains(*mark))).unwrap_or(',')
 }
 
-/// The fields of a line between separators, each with the column where it begins, counted from 1.
+/// The fields of a line between separators, those between quotes left alone, each with the column where it begins, counted from 1.
 #[derive(Debug, Clone)]
-pub(super) struct RowFields<'a> {
+struct RowFields<'a> {
     rest: Option<&'a str>,
     column: usize,
     separator: char,
-    /// Whether separators between quotes belong to the cell.
-    quotes: bool,
 }
 
 impl<'a> RowFields<'a> {
-    pub(super) fn of(line: &'a str, separator: char, quotes: bool) -> Self {
-        Self { rest: Some(line), column: 1, separator, quotes }
+    fn of(line: &'a str, separator: char) -> Self {
+        Self { rest: Some(line), column: 1, separator }
     }
 }
 
@@ -225,7 +216,7 @@ impl<'a> Iterator for RowFields<'a> {
         let (line, column) = (self.rest?, self.column);
         let mut quoted = false;
         let ends = |character: char| {
-            quoted ^= self.quotes && character == '"';
+            quoted ^= character == '"';
             character == self.separator && !quoted
         };
         let Some(end) = line.find(ends) else {
@@ -241,8 +232,7 @@ impl<'a> Iterator for RowFields<'a> {
 }
 
 fn split(line: &str, separator: char) -> Vec<(&str, usize)> {
-    let fields =
-        RowFields::of(line, separator, true).map(|(cell, column)| (bare(Some(cell)), column));
+    let fields = RowFields::of(line, separator).map(|(cell, column)| (bare(Some(cell)), column));
     if separator == ' ' {
         let filled = fields.flat_map(|(cell, column)| {
             cell.split('\t').filter(|part| !part.is_empty()).map(move |part| (part, column))

@@ -87,6 +87,14 @@ impl SampleColumn {
         self.values.len()
     }
 
+    /// `value` with the decimals of the column.
+    pub(super) fn printed(&self, value: f64) -> String {
+        match usize::try_from(self.decimals) {
+            Ok(decimals) if decimals <= 15 && self.factor == 0.0 => format!("{value:.decimals$}"),
+            _ => value.to_string(),
+        }
+    }
+
     /// Where number `index` stands.
     pub(super) fn place(&self, index: usize) -> FileLocation {
         let (line, column) = self.spots.get(index).copied().unwrap_or_default();

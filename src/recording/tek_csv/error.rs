@@ -3,8 +3,6 @@
 
 use std::fmt;
 
-use super::dialect::Dialect;
-
 /// A place in a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileLocation {
@@ -51,41 +49,6 @@ pub enum TekCsvError {
         /// The first byte that does not belong.
         found: u8,
     },
-    /// A CSV file of an oscilloscope, but not as the instrument itself writes it.
-    #[error(
-        "{file}, line {line}: found {found}, which looks like {dialect}; \
-         expected the native CSV of a TDS1000/2000"
-    )]
-    UnsupportedDialect {
-        /// The file's name.
-        file: String,
-        /// The dialect.
-        dialect: Dialect,
-        /// The line that tells, counted from 1.
-        line: usize,
-        /// Its beginning.
-        found: String,
-    },
-    /// A row has not six fields.
-    #[error("{place}: found {found} fields, expected {expected}, the last one empty")]
-    FieldCount {
-        /// Where the row ends.
-        place: FileLocation,
-        /// Fields in the row.
-        found: usize,
-        /// Fields in every row of the format.
-        expected: usize,
-    },
-    /// A header row is missing, misplaced or misnamed.
-    #[error("{place}: found {found}, expected {expected}")]
-    Header {
-        /// Where the key should stand.
-        place: FileLocation,
-        /// The text found.
-        found: String,
-        /// The key that belongs there.
-        expected: String,
-    },
     /// A header row's value is not what it can be.
     #[error("{place}: `{key}` is {found}, expected {expected}")]
     Entry {
@@ -108,55 +71,13 @@ pub enum TekCsvError {
         /// The text expected.
         expected: &'static str,
     },
-    /// A row's time or frequency disagrees with sample interval and trigger point.
-    #[error(
-        "{place}: found {found}, expected {expected} {unit} by sample interval and trigger point"
-    )]
-    Abscissa {
-        /// Where.
-        place: FileLocation,
-        /// The text found.
-        found: String,
-        /// The text expected.
-        expected: String,
-        /// Its unit.
-        unit: &'static str,
-    },
-    /// A value is no level of the 8-bit converter at this scale and offset.
-    #[error("{place}: found {found}, expected a digitiser level, the nearest is {expected} {unit}")]
-    Level {
-        /// Where.
-        place: FileLocation,
-        /// The text found.
-        found: String,
-        /// The nearest level from -128 to 127.
-        expected: String,
-        /// Its unit.
-        unit: &'static str,
-    },
-    /// The file ends early or goes on too long.
-    #[error("{file}: found {found} rows, expected {expected} by its Record Length")]
-    RowCount {
-        /// The file's name.
-        file: String,
-        /// Rows in the file.
-        found: usize,
-        /// Rows that its header promises.
-        expected: usize,
-    },
-    /// The last row is cut off.
-    #[error("{place}: found the end of the file, expected a line end")]
-    NoLineEnd {
-        /// Where the file ends.
-        place: FileLocation,
-    },
     /// Times that are not evenly spaced.
     #[error("{place}: found {found} {unit}, expected {expected} {unit} by even spacing")]
     Uneven {
         /// Where.
         place: FileLocation,
-        /// The number found (unit).
-        found: f64,
+        /// The number found.
+        found: String,
         /// The text expected.
         expected: String,
         /// Its unit.
@@ -185,6 +106,14 @@ pub enum TekCsvError {
         found: usize,
         /// Most that are read.
         limit: usize,
+    },
+    /// Numbers that cannot be computed with.
+    #[error("{file}: {problem}")]
+    Numbers {
+        /// The file's name.
+        file: String,
+        /// What was found and what is expected.
+        problem: String,
     },
     /// A table of no known form, or one whose columns cannot be told.
     #[error(

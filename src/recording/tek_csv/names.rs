@@ -56,7 +56,7 @@ pub(super) struct ColumnName {
 }
 
 /// Spellings of units in full, with the unit and the power of ten.
-const WORDS: [(&str, &str, i32); 26] = [
+const WORDS: [(&str, &str, i32); 28] = [
     ("second", "s", 0),
     ("seconds", "s", 0),
     ("sec", "s", 0),
@@ -78,6 +78,8 @@ const WORDS: [(&str, &str, i32); 26] = [
     ("volt", "V", 0),
     ("volts", "V", 0),
     ("v", "V", 0),
+    ("mv", "V", -3),
+    ("uv", "V", -6),
     ("millivolt", "V", -3),
     ("millivolts", "V", -3),
     ("newton", "N", 0),
@@ -127,6 +129,10 @@ pub(super) fn unit(text: &str) -> Option<ColumnUnit> {
     SYMBOLS.iter().find_map(|symbol| {
         let prefix = text.strip_suffix(symbol)?;
         let power = PREFIXES.iter().find(|(known, _)| *known == prefix)?.1;
+        // A sample interval of megaseconds is a misspelt one of milliseconds.
+        if *symbol == "s" && power > 0 {
+            return None;
+        }
         simple(if *symbol == "m/s²" { "m/s^2" } else { symbol }, power)
     })
 }

@@ -4,7 +4,7 @@
 use super::cells::{Cells, CsvRows};
 use super::column::SampleColumn;
 use super::columns;
-use super::error::TekCsvError;
+use super::error::{TekCsvError, excerpt};
 use super::names::{ColumnName, ColumnRole, unit};
 
 /// Which rows hold what.
@@ -47,6 +47,14 @@ impl TableLayout {
         layout.include_broken_rows(table);
         layout.find_names(table);
         layout.find_even(table);
+        let row = table.row(layout.first);
+        let thousands = |text: &&str| {
+            text.contains(',') && text.contains('.') && !text.contains(char::is_alphabetic)
+        };
+        if let Some(text) = row.texts().find(thousands) {
+            let what = format!("numbers without thousands separators, not {}", excerpt(text));
+            return Err(unknown(table, &what));
+        }
         if layout.cells.len() < 2 && layout.even.is_none() {
             return Err(unknown(table, "a column of times beside the values"));
         }
@@ -150,13 +158,16 @@ impl TableBody {
     ) -> Result<Self, TekCsvError> {
         let mut columns = vec![SampleColumn::default(); layout.cells.len()];
         let mut ended = vec![false; layout.cells.len()];
+        // Columns of nothing but digits, which could be the parts behind a decimal comma.
+        let mut digits = vec![true; layout.cells.len()];
         let mut zeros = true;
         for index in layout.first..table.len() {
             let row = table.row(index);
             if row.is_blank() {
                 continue;
             }
-            for ((column, cell), ended) in columns.iter_mut().zip(&layout.cells).zip(&mut ended) {
+            let each = columns.iter_mut().zip(&layout.cells).zip(&mut ended).zip(&mut digits);
+            for (((column, cell), ended), digits) in each {
                 // A capture beside a longer one ends early.
                 if row.text(*cell).is_empty() && column.len() > 0 {
                     *ended = true;
@@ -166,14 +177,23 @@ impl TableBody {
                     return Err(row.empty_above(*cell));
                 }
                 column.push(&row, *cell)?;
-                zeros &= looks_cut(row.text(*cell));
+                let text = row.text(*cell);
+                *digits &= text.bytes().all(|byte| byte.is_ascii_digit());
+                zeros &= could_be_part(text);
             }
         }
-        let names = layout
-            .names
-            .map_or(0, |names| table.row(names).texts().filter(|name| !name.is_empty()).count());
-        let pairs = columns.len() > 2 && columns.len().is_multiple_of(2);
-        if zeros && !is_given && table.separator == ',' && pairs && names < columns.len() {
+        // An unnamed column of indices in front counts, empty cells behind the names do not.
+        let names = layout.names.map_or(0, |names| {
+            let named = |name: &&str| !name.is_empty();
+            let cells: Vec<&str> = table.row(names).texts().collect();
+            cells.iter().rposition(named).map_or(0, |last| last + 1)
+        });
+        let pairs = columns.len() > 2 && columns.len().is_multiple_of(2) && zeros;
+        // One column too many for each comma that splits a number.
+        let surplus = columns.len().saturating_sub(names);
+        let parts = digits.iter().skip(1).filter(|digits| **digits).count();
+        let is_split = if names > 0 { surplus > 0 && parts >= surplus } else { pairs };
+        if !is_given && table.separator == ',' && is_split {
             return Err(unknown(
                 table,
                 "decimal points: commas cannot be both decimal marks and separators",
@@ -188,9 +208,8 @@ impl TableBody {
     }
 }
 
-/// Whether a whole number could be the part behind or before a decimal comma: all are, where commas
-/// had two duties.
-fn looks_cut(text: &str) -> bool {
+/// Whether a number could be the part before or behind a decimal comma.
+fn could_be_part(text: &str) -> bool {
     !text.contains(['.', 'e', 'E', ','])
 }
 

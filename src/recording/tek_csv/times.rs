@@ -10,6 +10,7 @@
 
 use super::column::{SampleColumn, rounded};
 use super::error::TekCsvError;
+use super::levels::MAX_STRAY_SHARE;
 use crate::numeric::statistics::median;
 use crate::quantity::engineering;
 
@@ -67,7 +68,42 @@ impl EvenTimes {
             times.compare(stated, (range, unit), notes);
             return Ok(times);
         }
+        if let Some(times) = Self::stated(column, stated, (&rows.tolerances, unit), notes) {
+            return Ok(times);
+        }
         Err(rows.uneven(column, best, None, unit))
+    }
+
+    /// The spacing that the header states, if all but a few rows agree with it.
+    fn stated(
+        column: &SampleColumn,
+        stated: StatedTimeBase,
+        (tolerances, unit): (&[f64], &str),
+        notes: &mut Vec<String>,
+    ) -> Option<Self> {
+        let (interval, trigger_point) = stated.interval.zip(stated.trigger_point)?;
+        let times = Self { interval, trigger_point };
+        let rows = column.values.iter().zip(tolerances).enumerate();
+        let mut strays = rows.filter(|(index, (found, tolerance))| {
+            // Also a difference that is not a number.
+            !((*found - times.at(*index)).abs() <= **tolerance)
+        });
+        let (first, (found, _)) = strays.next()?;
+        let count = 1 + strays.count();
+        if count as f64 > MAX_STRAY_SHARE * column.len() as f64 {
+            return None;
+        }
+        let [found, expected] = [*found, times.at(first)].map(|time| column.printed(time));
+        notes.push(format!(
+            "{count} times are not those of the header's even spacing and are not used; the first, in line {}, is {found} {unit}, expected {expected} {unit}",
+            column.place(first).line
+        ));
+        Some(times)
+    }
+
+    /// Time of row `index` (s; Hz for an FFT).
+    fn at(self, index: usize) -> f64 {
+        (index as f64 - self.trigger_point) * self.interval
     }
 
     /// Whether one even spacing, forward in time, explains the column.
@@ -293,7 +329,8 @@ impl<'a> Rows<'a> {
         if best.is_nan() || best <= 0.0 {
             let index = self.times.len().saturating_sub(1);
             let found = self.times.last().copied().unwrap_or_default();
-            let expected = format!("more than {first:e}");
+            let expected = format!("more than {}", column.printed(first));
+            let found = column.printed(found);
             return TekCsvError::Uneven { place: column.place(index), found, expected, unit };
         }
         // The median of steps over half the record, and of what it leaves: single rows do not
@@ -315,8 +352,13 @@ impl<'a> Rows<'a> {
         };
         let miss = gap.or_else(|| rows().position(far)).or_else(farthest);
         let index = miss.unwrap_or_default();
-        let found = self.times.get(index).copied().unwrap_or_default();
-        let expected = format!("{:.6e}", expected(index));
+        let time = |index: usize| self.times.get(index).copied();
+        let found = column.printed(time(index).unwrap_or_default());
+        // Behind a missing row, one step from the row before it is expected: the spacing of the
+        // whole column is too wide.
+        let steps = self.times.iter().zip(self.times.iter().skip(1)).map(|(a, b)| b - a);
+        let next = gap.and_then(|gap| Some(time(gap.checked_sub(1)?)? + median(steps.collect())));
+        let expected = column.printed(next.unwrap_or_else(|| expected(index)));
         TekCsvError::Uneven { place: column.place(index), found, expected, unit }
     }
 }

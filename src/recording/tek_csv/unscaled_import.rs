@@ -6,6 +6,7 @@
 
 use super::column::{SampleColumn, one_two_five, ten_to};
 use super::error::TekCsvError;
+use super::layout::PRINTING_ERROR;
 use super::levels::{LevelSource, ValueGrid};
 use super::times::{EvenTimes, StatedTimeBase};
 use crate::quantity::engineering;
@@ -139,12 +140,24 @@ impl UnscaledImport {
         let stated = self.scale.filter(|scale| *scale > 0.0);
         let grid = ValueGrid::find(&self.values, stated);
         self.note_evidence(&grid, stated, unit);
+        self.note_strays(&grid, unit);
         let scale = stated.unwrap_or_else(|| self.guess_scale(&grid, unit));
         let shift = self.shift(&grid, unit);
         let zero_index = whole_if_near(grid.origin / grid.step);
+        // The values are printed with fewer digits than the header's zero.
+        let exact = |found: f64, stated: Option<f64>, tolerance: f64| {
+            stated.filter(|stated| (found - stated).abs() <= tolerance).unwrap_or(found)
+        };
         let (y_off, y_zero) = match unit {
-            "dB" => (0.0, grid.origin - shift as f64 * grid.step),
-            _ => (shift as f64 - zero_index, 0.0),
+            "dB" => {
+                let found = grid.origin - shift as f64 * grid.step;
+                (0.0, exact(found, self.zero, 2.0 * self.values.tolerance(grid.origin)))
+            }
+            _ => {
+                let stated = self.zero.filter(|_| grid.evidence == LevelSource::Scale);
+                let levels = stated.map(|zero| whole_levels(zero / grid.step));
+                (exact(shift as f64 - zero_index, levels, ZERO_LEVEL_TOLERANCE), 0.0)
+            }
         };
         let code = |index: &i64| {
             i16::try_from(index.saturating_add(shift)).unwrap_or(if *index < 0 {
@@ -186,6 +199,19 @@ impl UnscaledImport {
             ),
         };
         self.notes.push(note);
+    }
+
+    fn note_strays(&mut self, grid: &ValueGrid, unit: &str) {
+        let Some(first) = grid.strays.first() else { return };
+        let value = |list: Option<f64>| engineering(list.unwrap_or_default(), unit, 6);
+        let taken = grid.indices.get(*first).map(|index| grid.origin + *index as f64 * grid.step);
+        self.notes.push(format!(
+            "{} values are not levels of the digitiser and are taken as the nearest one; the first, in line {}, is {}, taken as {}",
+            grid.strays.len(),
+            self.values.place(*first).line,
+            value(self.values.values.get(*first).copied()),
+            value(taken)
+        ));
     }
 
     /// The scale behind the levels, or one at which the screen holds all of them.
@@ -270,6 +296,12 @@ impl UnscaledImport {
 
 fn fits<T: TryFrom<i64>>(low: i64, high: i64) -> bool {
     T::try_from(low).is_ok() && T::try_from(high).is_ok()
+}
+
+/// `levels` of a printed offset, without the error of printing if it means a whole number.
+fn whole_levels(levels: f64) -> f64 {
+    let whole = levels.round();
+    if (whole - levels).abs() <= PRINTING_ERROR * levels.abs() { whole } else { levels }
 }
 
 /// `levels` without round-off, where it means a whole number.

@@ -173,7 +173,10 @@ fn native_captures_survive_a_recording_byte_for_byte() {
         // Only the native dialect is written; tests/it/tek_csv holds the others.
         let bytes = std::fs::read(&path).expect("a capture");
         if Format::of(&path) != Some(Format::File)
-            || hertzscope::recording::tek_csv::read(&bytes, &name).is_err()
+            || tek_csv::read(&bytes, &name).is_err()
+            // Of a native file as the instrument saved it, nothing is odd but a trace's name.
+            || tek_csv::read(&bytes, &name)
+                .is_ok_and(|found| found.notes.iter().any(|note| !note.starts_with("the file calls")))
         {
             continue;
         }
