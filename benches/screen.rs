@@ -5,6 +5,7 @@
 //! start to the first picture, and from a key to the picture it changes. Medians and the slowest of
 //! the runs; the terminal's own drawing is not in them.
 
+#![allow(clippy::disallowed_macros, reason = "measurements are printed")]
 use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::io::{self, Read as _, Write};

@@ -2,6 +2,7 @@
 //! and number of scenes, as exponents of power laws fitted by least squares; from these, what a
 //! million scenes take. CPU time of one thread, medians of interleaved rounds; exponents and shares
 //! count, times move with the machine: `cargo bench --bench sweep`.
+#![allow(clippy::disallowed_macros, reason = "measurements are printed")]
 #![allow(clippy::expect_used, reason = "a bench that cannot run has nothing to say")]
 
 mod common;

@@ -5,6 +5,8 @@
 //! `[profile.dev.package.hertzscope] opt-level = 2`: without, an [`Ensemble`] under error control
 //! needs more than 8 MiB of stack.
 
+#![cfg_attr(test, allow(clippy::disallowed_macros, reason = "tests print what they measure"))]
+
 pub mod analysis;
 pub mod calibrate;
 pub mod chain;

@@ -1,4 +1,5 @@
 //! One binary for all integration tests.
+#![allow(clippy::disallowed_macros, reason = "measurements are printed")]
 #![allow(
     clippy::expect_used,
     clippy::unwrap_used,

@@ -294,6 +294,7 @@ fn padded(recording: &[u8], padding: usize) -> Vec<u8> {
 /// Every command that reads recordings gives the same for the same shots, whatever the size of the
 /// file: exit code, both outputs, and every file it writes.
 #[test]
+#[allow(clippy::too_many_lines, reason = "one list of commands")]
 fn a_large_recording_is_read_like_a_small_one() {
     let folder = recorded();
     let path = folder.path();

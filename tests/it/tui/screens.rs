@@ -378,6 +378,7 @@ fn without_colours_no_cell_has_one() {
 
 /// The page on the screen has the keys as the help shows them.
 #[test]
+#[allow(clippy::format_collect, reason = "short texts")]
 fn the_page_on_the_screen_has_all_keys() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/screen.md");
     let page = std::fs::read_to_string(page).expect("a page");

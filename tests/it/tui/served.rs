@@ -363,6 +363,7 @@ fn a_scope_that_scans_is_shown() {
 }
 
 /// A served scope behind a line on which each reply takes `delay`; counts the time that it is busy.
+#[allow(clippy::large_stack_arrays, reason = "a buffer of a test")]
 fn slow_line(server: &Server, delay: Duration) -> (String, Arc<AtomicU64>) {
     let scope = server.address;
     let port = TcpListener::bind("127.0.0.1:0").expect("a port");
