@@ -2,7 +2,7 @@
 //!
 //! The runs form a ladder: each has a hundredth of the tolerance of the one before. The error of a
 //! run is its difference from the next one. The first run whose error is at most the accuracy is
-//! the result. If none of [`MAX_RUNS`] is, the last one is, with a note.
+//! the result. If none of `MAX_RUNS` is, the last one is, with a note.
 
 use std::time::Instant;
 

@@ -342,10 +342,10 @@ impl PulseRecorder {
 
 /// A force over one step. Steps resolve the stiffest contact, or they would not be accepted, so a
 /// force turns at most twice between two of the places in
-/// [`SAMPLE_TIMES`](crate::motion::probe_step::SAMPLE_TIMES).
+/// [`SAMPLE_TIMES`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Segment {
-    /// Of any method: which of [`ForceHistory::general`].
+    /// Of any method: which of `ForceHistory::general`.
     General(usize),
     /// Of the vector path.
     Lossless(StepOverlaps),

@@ -1,6 +1,6 @@
 //! The plot model: axes with units; lines, points, areas and bars; shaded bands, marks and maps.
 //!
-//! A [`Plot`] is drawn as SVG ([`svg`]), light or dark, of which PNG is made, and in a terminal
+//! A [`Plot`] is drawn as SVG ([`svg()`]), light or dark, of which PNG is made, and in a terminal
 //! ([`terminal()`]). A [`Sheet`] is a picture of several plots.
 
 mod svg;
