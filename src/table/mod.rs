@@ -115,6 +115,10 @@ pub struct TableWriter {
     out: Out,
 }
 
+#[cfg_attr(
+    not(feature = "parquet"),
+    allow(clippy::large_enum_variant, reason = "one for each file")
+)]
 enum Out {
     Csv(csv::Writer<NewFile>),
     JsonLines(BufWriter<NewFile>),
