@@ -4,7 +4,7 @@
 use anyhow::bail;
 use clap::Args;
 
-use crate::scene::resolved::annotated;
+use crate::scene::help::annotated;
 
 /// Explain a command, or print a scene (`help scene`), a calibration plan (`help plan`), a
 /// laboratory (`help lab`) or a sweep (`help grid`) with every key, unit and default

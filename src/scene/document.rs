@@ -5,6 +5,7 @@
 //! common: the scenes of a sweep differ in a few values, and copying all others took as long as
 //! simulating their chains.
 
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -28,17 +29,25 @@ struct Source {
     /// Path of a file; none of an included one.
     path: Option<PathBuf>,
     text: Arc<str>,
+    /// First byte of each line but the first, found when the first problem is placed.
+    lines: OnceCell<Vec<usize>>,
 }
 
 impl SourceLocation {
     /// A problem at this place.
     pub fn problem(&self, key: &str, found: String, expected: String) -> Problem {
-        let before = self.source.text.get(..self.offset).unwrap_or(&self.source.text);
-        let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+        let text = &self.source.text;
+        let lines = self
+            .source
+            .lines
+            .get_or_init(|| text.match_indices('\n').map(|(at, _)| at + 1).collect());
+        let line = lines.partition_point(|start| *start <= self.offset);
+        let start = line.checked_sub(1).and_then(|line| lines.get(line)).copied().unwrap_or(0);
+        let before = text.get(start..self.offset).unwrap_or_default();
         Problem {
             file: self.source.file.clone(),
-            line: before.matches('\n').count() + 1,
-            column: before[line_start..].chars().count() + 1,
+            line: line + 1,
+            column: before.chars().count() + 1,
             key: key.to_owned(),
             found,
             expected,
@@ -123,7 +132,12 @@ impl Node {
     /// # Errors
     /// As [`Node::parse`].
     pub fn parse_file(file: &str, path: Option<PathBuf>, text: &str) -> Result<Self, Vec<Problem>> {
-        let source = Rc::new(Source { file: file.to_owned(), path, text: text.into() });
+        let source = Rc::new(Source {
+            file: file.to_owned(),
+            path,
+            text: text.into(),
+            lines: OnceCell::new(),
+        });
         let (table, errors) = DeTable::parse_recoverable(text);
         let offset = |error: &&toml::de::Error| error.span().map_or(0, |span| span.start);
         if let Some(error) = errors.iter().min_by_key(offset) {

@@ -11,6 +11,7 @@ mod distance;
 pub mod document;
 mod effects;
 pub mod grid;
+pub mod help;
 mod library;
 pub mod magnets;
 mod oscilloscope;

@@ -1,7 +1,5 @@
-//! A scene with its base and every default, as a scene again: the output of `hertzscope show`; and
-//! the annotated pages of `hertzscope help`.
-//!
-//! Defaults, order and help of keys are those of their declarations.
+//! A scene with its base and every default, as a scene again: the output of `hertzscope show`, and
+//! the merged scene in recordings. Defaults and order of keys are those of their declarations.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -12,14 +10,10 @@ use super::document::{
     DISTRIBUTION_KEYS, Entries, Entry, Node, Value, at, at_mut, inline, put, quoted_key,
 };
 use super::effects::{EffectsKeys, LOSS_KEYS};
-use super::grid::SweepKeys;
 use super::library::{self, LoadedScene};
-use super::plan::PlanKeys;
-use super::plan::lab::LabKeys;
 use super::problem::SceneError;
 use super::root::RootKeys;
-use super::table::{Key, Keys, Kind, key_at, keys_at};
-use crate::data;
+use super::table::{Keys, Kind, keys_at};
 
 /// File of a value that no file has.
 const DEFAULT: &str = "default";
@@ -61,8 +55,8 @@ pub(super) fn resolved(name: &Path) -> Result<String, SceneError> {
 
 /// A scene with everything it is based on, as a scene that is based on no other file.
 ///
-/// Models that are included in the program keep their names; of those from other files the numbers stay.
-/// None for a scope from another file: its numbers are read from a scope's file only.
+/// Models that are included in the program keep their names; of those from other files the numbers
+/// stay. None for a scope from another file: its numbers are read from a scope's file only.
 pub(super) fn merged(loaded: &LoadedScene) -> Option<String> {
     let mut root = loaded.root.clone();
     let own = root.place.file().to_owned();
@@ -81,70 +75,6 @@ pub(super) fn merged(loaded: &LoadedScene) -> Option<String> {
     let mut page = format!("# {}, with everything it is based on\n", loaded.name);
     Writer { own }.table(&mut page, &[], &root);
     Some(page)
-}
-
-/// The annotated page of a `scene`, `plan`, `lab` (laboratory) or `grid` (sweep), with every key;
-/// `None` for another topic.
-pub fn annotated(topic: &str) -> Option<String> {
-    // Help begins behind the longest usual lines.
-    let (keys, column): (Keys, usize) = match topic {
-        "scene" => (&[RootKeys::KEYS], 28),
-        "plan" => (&[PlanKeys::KEYS], 43),
-        "lab" => (&[LabKeys::KEYS], 43),
-        "grid" => (&[SweepKeys::KEYS], 43),
-        _ => return None,
-    };
-    data::instrument("help", topic).map(|page| explained(page, keys, column))
-}
-
-/// A page with default and help of each key, from `column` on, behind the first line that has it; a
-/// comment in the page stays.
-fn explained(text: &str, keys: Keys, column: usize) -> String {
-    let mut table: Vec<&str> = Vec::new();
-    let mut explained = BTreeSet::new();
-    let mut page = String::new();
-    for line in text.lines() {
-        let bare = line.strip_prefix("# ").unwrap_or(line);
-        let header = bare.strip_prefix('[').and_then(|rest| rest.split_once(']'));
-        let is_end = |rest: &str| {
-            matches!(rest.trim_start_matches(']').trim_start().chars().next(), None | Some('#'))
-        };
-        if let Some((path, _)) = header.filter(|(_, rest)| is_end(rest)) {
-            table = path.trim_matches('[').split('.').collect();
-            // A list's item is one step of a path.
-            if bare.starts_with("[[") {
-                table.push("1");
-            }
-        }
-        let key = bare.split_once(" = ").filter(|(_, value)| !value.contains(" # "));
-        let key = key.and_then(|(name, value)| {
-            let path: Vec<&str> = table.iter().copied().chain([name]).collect();
-            let key = key_at(keys, &path).filter(|key| key.name == name)?;
-            Some((key, value.trim_matches('"')))
-        });
-        let new = key.filter(|(key, _)| explained.insert((key.name, key.help, key.default)));
-        let comment = new.map_or_else(String::new, |(key, value)| explanation(key, value));
-        let _ = if comment.is_empty() {
-            writeln!(page, "{line}")
-        } else {
-            writeln!(page, "{line:<column$} # {comment}")
-        };
-    }
-    page
-}
-
-/// Default and help of `key` behind a line with `value`.
-fn explanation(key: &Key, value: &str) -> String {
-    let default = match (key.default, key.default_value()) {
-        (Some(""), _) => None,
-        (Some(default), _) if default == value => Some(DEFAULT.to_owned()),
-        (Some(default), Some(Value::Text(_))) => Some(format!("{DEFAULT} \"{default}\"")),
-        (Some(default), _) => Some(format!("{DEFAULT} {default}")),
-        _ => None,
-    };
-    let help = key.help.trim();
-    let help = (!help.is_empty()).then(|| help.to_owned());
-    default.into_iter().chain(help).collect::<Vec<_>>().join("; ")
 }
 
 /// Puts the defaults of `keys` into the table `node`, and those of keys below; `default` has their

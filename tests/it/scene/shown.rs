@@ -4,8 +4,8 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use hertzscope::scene::help::annotated;
 use hertzscope::scene::plan;
-use hertzscope::scene::resolved::annotated;
 use hertzscope::scene::{Problem, Scene, SceneError};
 
 use super::{BENCH, problems};
