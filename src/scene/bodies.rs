@@ -302,6 +302,9 @@ pub fn particles<'a>(
         let names = segment.particles.as_deref().unwrap_or_default();
         complete &= segment.repeat.is_some() && !names.is_empty();
         for (name, place) in names.iter().filter(|(name, _)| !known.contains_key(name)) {
+            if !table.problems().takes_more() {
+                continue;
+            }
             let expected = format!("a kind of particle: {}", one_of(known.keys()));
             table.problem_at(place, "particles", format!("\"{name}\""), expected);
         }
