@@ -33,7 +33,9 @@ impl Fourier {
             output.clear();
         }
         let scale = 1.0 / length as f64;
-        output.iter_mut().for_each(|value| *value *= scale);
+        for value in &mut output {
+            *value *= scale;
+        }
         output
     }
 }

@@ -80,7 +80,7 @@ enum Target {
     Recording,
     /// A table of all shots.
     Table,
-    /// A folder ALLnnnn for each shot.
+    /// A folder `ALLnnnn` for each shot.
     Folders,
     /// A file with a single capture.
     File(&'static FileFormat),

@@ -201,7 +201,9 @@ impl ReadingArguments {
         places.retain(|(place, _)| {
             let sources = recording.index().get(*place).map(|(_, sources)| sources.clone());
             sources.is_some_and(|sources| {
-                sources.into_iter().fold(false, |new, source| seen.insert(source) || new)
+                // Not `any`, which stops at the first new one.
+                let new = sources.into_iter().filter(|source| seen.insert(*source)).count();
+                new > 0
             })
         });
         for (place, _) in places.into_iter().rev() {

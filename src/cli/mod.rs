@@ -14,6 +14,7 @@ mod saved;
 mod signal;
 mod value;
 
+use std::fmt::Write as _;
 use std::io::Write as _;
 use std::process::ExitCode;
 
@@ -161,13 +162,14 @@ fn command_line() -> clap::Command {
     let mut command = Arguments::command();
     let mut page = String::from("{about}\n\n{usage-heading} {usage}\n");
     for guides in GUIDES.chunk_by(|a, b| a.group == b.group) {
-        page.push_str(&format!("\n{}:\n", guides.first().map_or("", |guide| guide.group)));
+        // Writing to a text does not fail.
+        let _ = writeln!(page, "\n{}:", guides.first().map_or("", |guide| guide.group));
         for guide in guides {
             let name = guide.name();
             let about = command.find_subcommand(&name).and_then(clap::Command::get_about);
             let about = about.map(ToString::to_string).unwrap_or_default();
             let short = about.split([':', ';', ',']).next().unwrap_or_default();
-            page.push_str(&format!("  {name:<NAME_WIDTH$}{short}\n"));
+            let _ = writeln!(page, "  {name:<NAME_WIDTH$}{short}");
             command =
                 command.mut_subcommand(name, |found| found.after_long_help(guide.after_help()));
         }

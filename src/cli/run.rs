@@ -106,7 +106,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     };
     let mut progress = JobProgress::new(&scene.name, arguments.quiet);
     let set =
-        TraceSet { attachments: attachments.to_vec(), metadata: known, ..TraceSet::default() };
+        TraceSet { attachments, metadata: known, ..TraceSet::default() };
     let (mut summaries, mut surveys) = (Vec::new(), Vec::new());
     let mut first: Option<Shot> = None;
     for number in 1..=arguments.shots {

@@ -26,6 +26,7 @@ use crate::vxi11;
 
 /// Serve the simulated scope to lab programs over the network: a raw TCP socket, HiSLIP or VXI-11
 #[derive(Debug, Args)]
+#[allow(clippy::struct_excessive_bools, reason = "each is an option of its own")]
 pub struct Arguments {
     /// An included scene (`hertzscope scenes` lists them), or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
@@ -285,7 +286,7 @@ fn lines() -> mpsc::Receiver<()> {
 /// Waits until standard input ends if `is_awaited`, else for ever.
 async fn end_of_input(is_awaited: bool) {
     if !is_awaited {
-        pending().await
+        pending::<()>().await;
     }
     let (sender, ended) = oneshot::channel();
     thread::spawn(move || {

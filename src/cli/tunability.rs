@@ -22,7 +22,7 @@ pub struct Arguments {
     /// An included scene, or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
     scene: String,
-    /// Number of the scene to vary, by its path as in a sweep, e.g. particles.ptfe_sphere.mass; `*`
+    /// Number of the scene to vary, by its path as in a sweep, e.g. `particles.ptfe_sphere.mass`; `*`
     /// varies all that it names by one ratio [default: preload, masses, moduli, striker]
     #[arg(long, value_name = "PATH", value_delimiter = ',')]
     vary: Vec<String>,

@@ -55,7 +55,7 @@ pub fn vertex([before, here, after]: [f64; 3]) -> Option<(f64, f64)> {
     let curvature = before - 2.0 * here + after;
     let place = 0.5 * (before - after) / curvature;
     let is_top = curvature < 0.0 && place.is_finite();
-    is_top.then(|| (place, here - 0.25 * (before - after) * place))
+    is_top.then_some((place, here - 0.25 * (before - after) * place))
 }
 
 /// The minimum of `cost` between two places, to a width of `step`, by golden sections: J. Kiefer,

@@ -23,10 +23,13 @@ pub struct FileFormat {
     media_type: &'static str,
     /// Larger files are refused unread (bytes).
     max_bytes: u64,
-    read: fn(&[u8], &str, &TableColumns) -> Result<Vec<Capture>, OpenError>,
+    read: ReadFile,
     /// Writes one capture as a whole file.
     pub write: fn(&Capture) -> Result<Vec<u8>, OpenError>,
 }
+
+/// Reads the captures of a file from its bytes, its name, and what the user says of its columns.
+type ReadFile = fn(&[u8], &str, &TableColumns) -> Result<Vec<Capture>, OpenError>;
 
 /// The formats of files with captures.
 pub const FORMATS: [FileFormat; 2] = [
@@ -325,7 +328,9 @@ impl From<TraceSet> for Recording {
     fn from(mut set: TraceSet) -> Self {
         let lines = std::mem::take(&mut set.lines);
         let mut traffic = Traffic::default();
-        lines.iter().for_each(|line| traffic.count(line));
+        for line in &lines {
+            traffic.count(line);
+        }
         let channels = |shot: &Shot| shot.captures.iter().map(|c| c.waveform.source).collect();
         let index = set.shots.iter().map(|shot| (shot.number, channels(shot))).collect();
         let notes = &mut set.notes;

@@ -67,7 +67,7 @@ fn residual_rows(comparison: &Comparison) -> Vec<Vec<String>> {
 
 fn speed_rows(comparison: &Comparison) -> Vec<Vec<String>> {
     let heading = ["", "estimator", "measured", "simulated", "error"];
-    let rows = table::titled(
+    table::titled(
         heading,
         comparison.speeds.iter().map(|s| {
             let speed = |u: Uncertain| format!("{:.2} ± {:.2} m/s", u.value, u.expanded());
@@ -79,8 +79,7 @@ fn speed_rows(comparison: &Comparison) -> Vec<Vec<String>> {
                 share(s.error),
             ]
         }),
-    );
-    rows
+    )
 }
 
 fn alignment(comparison: &Comparison) -> String {

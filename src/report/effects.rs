@@ -56,8 +56,9 @@ fn summary(ledger: &Ledger) -> String {
 
 /// The largest change of readings by each effect, as a picture.
 pub fn effects_picture(ledger: &Ledger) -> Sheet {
+    type Share = fn(&Change) -> Option<f64>;
     let entries = || ledger.entries.iter();
-    let readings: [(_, fn(&Change) -> Option<f64>); 3] =
+    let readings: [(_, Share); 3] =
         [("first peak", |c| c.peak), ("arrival", |c| c.arrival), ("speed", |c| c.speed)];
     let series = readings.into_iter().zip(COLOURS).map(|((name, of), colour)| {
         let percent = |entry: &LedgerEntry| Some(100.0 * entry.change.as_ref().and_then(of)?.abs());

@@ -25,6 +25,7 @@ pub struct ForcePage {
 
 fn channels<S: Serializer>(found: &[Forces], serializer: S) -> Result<S::Ok, S::Error> {
     #[derive(Serialize)]
+    #[allow(clippy::struct_field_names, reason = "keys of JSON")]
     struct Channel<'a> {
         channel: &'a str,
         sensor: &'a str,

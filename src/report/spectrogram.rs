@@ -84,7 +84,9 @@ impl SpectrogramPage {
                 let Some(row) = self.row(column.frequency(bin), down) else { break };
                 let above = self.row(column.frequency(bin + 1), down).unwrap_or(down);
                 let Some(cells) = cells.get_mut(row..above.max(row + 1)) else { continue };
-                cells.iter_mut().for_each(|cell| *cell = cell.max(*amplitude));
+                for cell in cells {
+                    *cell = cell.max(*amplitude);
+                }
             }
         }
         let top = cells.iter().flatten().copied().fold(f64::MIN_POSITIVE, f64::max);

@@ -71,7 +71,8 @@ pub(super) fn band_edges<S: Serializer>(
     chain: &Option<DiatomicChain>,
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
-    let edges: [(_, fn(&DiatomicChain) -> f64); 3] = [
+    type Edge = fn(&DiatomicChain) -> f64;
+    let edges: [(_, Edge); 3] = [
         ("f1_hz", DiatomicChain::gap_bottom),
         ("f2_hz", DiatomicChain::gap_top),
         ("f3_hz", DiatomicChain::cutoff),

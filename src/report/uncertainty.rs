@@ -163,7 +163,9 @@ pub fn budget_picture(found: &UncertainPrediction) -> Sheet {
         found.outputs.iter().enumerate().map(|(row, o)| (row as f64, interval(o))).collect();
     let unnamed = |series: &Series| Series { name: String::new(), ..series.clone() };
     plot.lines = legend.iter().map(unnamed).collect();
-    legend.iter_mut().for_each(|series| series.points.clear());
+    for series in &mut legend {
+        series.points.clear();
+    }
     let sheet = Sheet::rows(format!("{}: shares of the variance", found.scene), plot);
     Sheet { legend, ..sheet }
 }

@@ -320,7 +320,9 @@ pub fn remove_other_models(root: &mut Node) {
         remove(at_mut(root, &["effects", key]), kind);
     }
     if let Some(sensors) = at_mut(root, &["sensors"]).and_then(Node::entries_mut) {
-        sensors.iter_mut().for_each(|(_, entry)| remove(Some(&mut entry.node), "sensors"));
+        for entry in sensors.values_mut() {
+            remove(Some(&mut entry.node), "sensors");
+        }
     }
 }
 

@@ -37,9 +37,9 @@ fn u16_le(number: usize) -> [u8; 2] {
 
 /// Dots of eight bits, lowest row first, behind two headers and the palette.
 fn bmp(picture: &Picture) -> Vec<u8> {
-    let dots: Vec<u8> = picture.rows().rev().flatten().collect();
     // 72 dots an inch, as others write.
     const DOTS_PER_METRE: usize = 2835;
+    let dots: Vec<u8> = picture.rows().rev().flatten().collect();
     let start = BMP_HEADERS + 4 * PALETTE;
     let mut out = b"BM".to_vec();
     for number in [start + dots.len(), 0, start, 40, WIDTH, HEIGHT] {

@@ -160,9 +160,12 @@ impl Recorder {
 enum RecordingEntry {
     /// A command or reply.
     Line(ScpiLine),
-    /// An acquisition; with the scene and the impact's number where it is not the served scene.
-    Shot(Box<(Shot, ShotNotes, Option<(Arc<Scene>, u32)>)>),
+    /// An acquisition; with the scene and the impact's number if it is not the served scene.
+    Shot(Box<(Shot, ShotNotes, OtherScene)>),
 }
+
+/// A scene that is not the served one, and the number of the impact.
+type OtherScene = Option<(Arc<Scene>, u32)>;
 
 /// The recording's file.
 struct RecordingSink {

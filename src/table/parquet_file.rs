@@ -111,7 +111,7 @@ impl Values {
             (Self::Numbers(values), Cell::Number(value)) => values.push(Some(*value)),
             (Self::Counts(values), Cell::Count(count)) => values.push(i64::try_from(*count).ok()),
             (Self::Texts(values), Cell::Text(text)) => {
-                values.push(Some(ByteArray::from(text.as_str())))
+                values.push(Some(ByteArray::from(text.as_str())));
             }
             (Self::Numbers(values), _) => values.push(None),
             (Self::Counts(values), _) => values.push(None),

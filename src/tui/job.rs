@@ -50,8 +50,11 @@ impl Queue {
 pub struct Job<S> {
     /// The thread that does it.
     pub queue: Queue,
-    work: Box<dyn FnOnce(&dyn Fn(Change<S>)) -> Change<S> + Send>,
+    work: Work<S>,
 }
+
+/// Does the work, reports changes meanwhile, and returns the last one.
+type Work<S> = Box<dyn FnOnce(&dyn Fn(Change<S>)) -> Change<S> + Send>;
 
 impl<S: 'static> Job<S> {
     /// A job that does `work` and applies its result, or the message of its failure. While it works

@@ -53,19 +53,18 @@ impl RecordDecoder {
     /// [`Malformed`] for a record longer than [`MAX_PASSED_OVER`].
     pub fn next_record(&mut self) -> Result<Option<Vec<u8>>, Malformed> {
         loop {
-            let (missing, is_last) = match self.fragment {
-                Some(fragment) => fragment,
-                None => {
-                    let Some(head) = self.buffer.first_chunk() else { return Ok(None) };
-                    let head = u32::from_be_bytes(*head);
-                    self.buffer.drain(..4);
-                    let length = usize::try_from(head & !LAST_FRAGMENT).unwrap_or(usize::MAX);
-                    self.length = self.length.saturating_add(length);
-                    if self.length > MAX_PASSED_OVER {
-                        return Err(Malformed);
-                    }
-                    (length, head & LAST_FRAGMENT != 0)
+            let (missing, is_last) = if let Some(fragment) = self.fragment {
+                fragment
+            } else {
+                let Some(head) = self.buffer.first_chunk() else { return Ok(None) };
+                let head = u32::from_be_bytes(*head);
+                self.buffer.drain(..4);
+                let length = usize::try_from(head & !LAST_FRAGMENT).unwrap_or(usize::MAX);
+                self.length = self.length.saturating_add(length);
+                if self.length > MAX_PASSED_OVER {
+                    return Err(Malformed);
                 }
+                (length, head & LAST_FRAGMENT != 0)
             };
             let here = missing.min(self.buffer.len());
             let room = MAX_RECORD.saturating_sub(self.record.len());

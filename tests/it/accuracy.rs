@@ -356,17 +356,19 @@ fn at_the_tightest_tolerances_run_and_reference_run_differ() {
     let mut text = "duration = \"0.1 ms\"\nmaterials.st = { youngs_modulus = \"193 GPa\", poissons_ratio = 0.3 }\n".to_owned();
     for i in 0..30 {
         let share = 0.7_f64.powi(i);
-        text += &format!(
+        let particle = format!(
             "particles.t{i} = {{ material = \"st\", diameter = \"{:e} m\", mass = \"{:e} kg\" }}\n",
             5e-3 * share,
             0.51e-3 * share.powi(3)
         );
+        text += &particle;
     }
     let names: Vec<String> = (0..30).map(|i| format!("\"t{i}\"")).collect();
-    text += &format!(
+    let chain = format!(
         "chain = {{ top = \"free\", bottom = \"free\", segments = [{{ particles = [{}] }}] }}\n",
         names.join(", ")
     );
+    text += &chain;
     text += "striker = { material = \"st\", mass = \"0.51 g\", diameter = \"5 mm\", speed = \"0.1 m/s\" }\n";
     text += "sensors.a = { model = \"pzt-5a-710pf\", particle = 25 }\n[scope]\nmodel = \"tds2014\"\ntime_base = \"25 us/div\"\ntrigger = { source = \"CH1\", level = \"200 mV\", slope = \"rise\", mode = \"auto\" }\nch1 = { input = \"a\", scale = \"1 V/div\" }\n";
     let scene = Scene::from_text("taper", "taper.toml", &text).expect("a scene");

@@ -336,7 +336,9 @@ impl IndexedRecording {
             }
         }
         let lines = std::mem::take(&mut self.reader.set.lines);
-        lines.iter().for_each(|line| self.traffic.count(line));
+        for line in &lines {
+            self.traffic.count(line);
+        }
         let times = || lines.iter().map(|line| line.timestamp_ns);
         let (Some(first_ns), Some(last_ns)) = (times().min(), times().max()) else { return };
         match self.lines.last_mut() {

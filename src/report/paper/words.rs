@@ -94,7 +94,7 @@ pub fn paper(study: &PaperStudy) -> String {
 /// Tables 1 and 2 with intervals on both sides: normalised errors by half-rise and first peak.
 fn interval_rows(study: &SpeedStudy) -> Vec<Vec<String>> {
     let heading = ["m/s, ± is 95 %", "half-rise", "peak", "numerics", "E_n", "experiment", "E_n"];
-    let rows = table::titled(
+    table::titled(
         heading,
         study.rows.iter().map(|row| {
             let shown = |speed: Uncertain| format!("{:.1} ± {:.1}", speed.value, speed.expanded());
@@ -108,8 +108,7 @@ fn interval_rows(study: &SpeedStudy) -> Vec<Vec<String>> {
             let row = [row.paper.scene.clone()].into_iter().chain(here);
             row.chain([numerics, numerics_error, experiment, experiment_error]).collect()
         }),
-    );
-    rows
+    )
 }
 
 fn agreement(study: &SpeedStudy) -> String {
@@ -221,7 +220,7 @@ fn speeds_rows(study: &SpeedStudy) -> Vec<Vec<String>> {
         "change by it",
         "left to experiment",
     ];
-    let rows = table::titled(
+    table::titled(
         heading,
         study.rows.iter().map(|row| {
             let (paper, plain, lossy) = (&row.paper, &row.lossless, &row.with_dashpot);
@@ -239,6 +238,5 @@ fn speeds_rows(study: &SpeedStudy) -> Vec<Vec<String>> {
                 change(paper.experiment_m_per_s, lossy.half_rise),
             ]
         }),
-    );
-    rows
+    )
 }

@@ -67,7 +67,9 @@ impl ScreenState {
             Queue::Reading,
             move |_| {
                 let mut derived = Derived { made_of: Some(key), ..Derived::default() };
-                parts.into_iter().for_each(|part| part(&mut derived));
+                for part in parts {
+                    part(&mut derived);
+                }
                 Ok(derived)
             },
             move |model: &mut Self, found: Result<Derived, String>| match found {

@@ -103,24 +103,24 @@ struct Film<'a> {
 }
 
 /// Traces of one kind with their numbers, in order.
-fn numbered(truth: &[Trace], number: fn(TrueSignal) -> Option<usize>) -> Vec<(usize, &Trace)> {
+fn numbered(truth: &[Trace], number: fn(&TrueSignal) -> Option<usize>) -> Vec<(usize, &Trace)> {
     let traces = truth.iter();
     let mut found: Vec<(usize, &Trace)> =
-        traces.filter_map(|trace| Some((TrueSignal::of(trace).and_then(number)?, trace))).collect();
+        traces.filter_map(|trace| Some((number(&TrueSignal::of(trace)?)?, trace))).collect();
     found.sort_by_key(|(number, _)| *number);
     found
 }
 
-fn contact(signal: TrueSignal) -> Option<usize> {
+fn contact(signal: &TrueSignal) -> Option<usize> {
     match signal {
-        TrueSignal::Contact(contact) => Some(contact),
+        TrueSignal::Contact(contact) => Some(*contact),
         _ => None,
     }
 }
 
-fn body(signal: TrueSignal) -> Option<usize> {
+fn body(signal: &TrueSignal) -> Option<usize> {
     match signal {
-        TrueSignal::Displacement(body) => Some(body),
+        TrueSignal::Displacement(body) => Some(*body),
         _ => None,
     }
 }

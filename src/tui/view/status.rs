@@ -66,8 +66,7 @@ pub(in crate::tui) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &m
     let area = layout.status;
     let room = usize::from(area.width);
     let behind = model.recordings.behind().map(|other| format!("  ┄ {}", other.label()));
-    let title =
-        behind.fold(model.recordings.front().title.to_owned(), |title, other| title + &other);
+    let title = behind.fold(model.recordings.front().title.clone(), |title, other| title + &other);
     // Of several recordings the names matter more than the state.
     let least =
         if model.recordings.behind().next().is_some() { MOST_TITLE_WIDTH } else { TITLE_WIDTH };

@@ -36,7 +36,7 @@ fn writing(
         Queue::File,
         move |_| write(),
         |model: &mut ScreenState, written| {
-            model.set_notice(written.unwrap_or_else(|problem| problem))
+            model.set_notice(written.unwrap_or_else(|problem| problem));
         },
     ))
 }

@@ -60,16 +60,12 @@ impl ServedConnection {
                 // The failure before is reported.
                 let _ = scope.end("");
                 let address = address.to_string();
-                Err(match bench {
-                    Err(source) => {
-                        ClientError::Line { address, doing: "no valid reply to HEADer?", source }
-                    }
-                    Ok(_) => {
-                        let problem =
-                            if model.is_none() { "no oscilloscope is included" } else { "" };
-                        ClientError::NoScope { address, problem: problem.to_owned() }
-                    }
-                })
+                if let Err(source) = bench {
+                    let doing = "no valid reply to HEADer?";
+                    return Err(ClientError::Line { address, doing, source });
+                }
+                let problem = if model.is_none() { "no oscilloscope is included" } else { "" };
+                Err(ClientError::NoScope { address, problem: problem.to_owned() })
             }
         }
     }

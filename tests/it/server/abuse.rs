@@ -59,10 +59,14 @@ fn chatty_connections_give_way() {
     let server = Server::at_rest();
     let mut chatty: Vec<Client> = (0..MAX_CONNECTIONS_OF_PEER).map(|_| server.connect()).collect();
     for _ in 0..5 {
-        chatty.iter_mut().for_each(|client| client.send(b"\n"));
+        for client in &mut chatty {
+            client.send(b"\n");
+        }
         std::thread::sleep(Duration::from_millis(300));
     }
-    chatty.iter_mut().for_each(|client| client.send(b"\n"));
+    for client in &mut chatty {
+        client.send(b"\n");
+    }
     for _ in 0..3 {
         assert_eq!(server.connect().ask("*IDN?"), IDENTITY);
     }
