@@ -37,7 +37,7 @@ impl SpeedSource {
         }
     }
 
-    /// The speed where the reading is `raw`; a height or time below zero is none (m/s).
+    /// Speed from the reading `raw`; a negative height counts as zero (m/s).
     pub fn of(self, raw: f64, gravity: f64, gates: f64) -> f64 {
         match self {
             Self::Speed(_) => raw,

@@ -65,7 +65,7 @@ pub struct ChainSpec {
     pub striker: Option<Body>,
     /// The particles from top to bottom.
     pub particles: Vec<Body>,
-    /// What stands above particle 1.
+    /// Support above particle 1.
     pub top: End,
     /// What stands below the last particle.
     pub bottom: End,

@@ -43,7 +43,7 @@ impl Chain {
     }
 
     /// Force in contact `j` at these displacements (m) and velocities (m/s), static part and losses
-    /// included; `closed` tells whether it counts as closed (N).
+    /// included; `closed` is true if the contact counts as closed (N).
     pub fn contact_force(&self, position: &[f64], velocity: &[f64], j: usize, closed: bool) -> f64 {
         self.contacts.get(j).map_or(0.0, |contact| {
             let change = self.overlap_change(position, j);

@@ -10,8 +10,8 @@ pub(crate) const CONTACTS: usize = 4;
 /// A weighted sum of two neighbouring contact forces: what a plate in a particle feels.
 ///
 /// `N(xi) = F_above (1/2 - xi) + F_below (1/2 + xi)`, `xi` the plate's distance from the particle's
-/// centre in units of its length, downward positive. A centred plate feels the mean; `xi = 1/2`
-/// feels the contact below alone. Source: linear interpolation of the axial force in a rigidly
+/// centre in units of its length, downward positive. A centred plate measures the mean, one at
+/// `xi = 1/2` the contact below alone. Source: linear interpolation of the axial force in a rigidly
 /// moving body of even mass.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForceProbe {

@@ -64,7 +64,7 @@ impl Ensemble {
         Self { set, ..self }
     }
 
-    /// Runs all `cases`; results stand in their order. `done` is called with how many more are
+    /// Runs all `cases`; results are in their order. `done` is called with how many more are
     /// finished, from any thread.
     pub fn run<C: Borrow<Case>>(
         &self,

@@ -71,7 +71,7 @@ impl<'a> Run<'a> {
         Self::with_frames(scene, shot, (method, u64::MAX), film_grid(scene), progress)
     }
 
-    /// The same with other `frames`, and with at most so many evaluations of all forces.
+    /// Runs with other `frames` and a limit on the evaluations of all forces.
     ///
     /// # Errors
     /// [`IntegrateError`] if the integrator cannot go on.

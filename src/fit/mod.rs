@@ -55,8 +55,8 @@ pub struct Fit {
 /// far as it can be foreseen.
 ///
 /// # Errors
-/// [`FitError`] where measurement and scene do not belong together, and where the traces do not
-/// tell the numbers.
+/// [`FitError`] if the measurement does not fit the scene, or if the traces do not determine
+/// the parameters.
 pub fn fit(
     (scene, knobs): (&Adjustable, &[AdjustableNumber]),
     measured: ComparedShot<'_>,

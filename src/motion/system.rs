@@ -39,7 +39,7 @@ pub trait System {
         None
     }
 
-    /// Its tangent, if it can tell.
+    /// Tangent of the system, if it is available.
     fn linearised(&mut self) -> Option<&mut dyn Linearised> {
         None
     }

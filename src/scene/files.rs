@@ -74,8 +74,8 @@ pub(super) fn read_text(path: &Path, file: &str) -> Result<String, SceneError> {
     })
 }
 
-/// The scene's own text, those of the scenes and instruments it stands on, and the constants it
-/// names.
+/// Texts of the scene, of the scenes and instruments that it is based on, and of the constants that
+/// it names.
 #[derive(Debug, Clone, Default)]
 pub struct Texts {
     all: Vec<Arc<str>>,

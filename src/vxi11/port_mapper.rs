@@ -1,8 +1,8 @@
 //! The port mapper, which tells clients on port 111 where a program listens: version 2, over TCP
 //! and UDP. Source: RFC 1833, section 3.
 //!
-//! Clients that speak a later version first (rpcbind, 3 and 4) are told that version 2 is there.
-//! Nobody can register or remove a program.
+//! Clients that speak a later version first (rpcbind, 3 and 4) get the reply that
+//! version 2 is supported. Programs cannot be registered or removed.
 
 use super::procedure::{ABORT_PROGRAM, CORE_PROGRAM, VERSION};
 use super::rpc::{Call, Refusal, XdrReader, words};

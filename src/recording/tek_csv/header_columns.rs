@@ -2,7 +2,7 @@
 //! `OpenChoice` repeats this for each channel; spreadsheets and people leave it, with other digits,
 //! one or a few rows lower.
 //!
-//! The keys are found by name, wherever they stand in their column. A row whose time and value are
+//! The keys are found by name, in any row of their column. A row whose time and value are
 //! no numbers is passed over while no sample has been seen, and refused later.
 //!
 //! Reads a file that the desktop program `OpenChoice` saved: channels side by side, unit words in

@@ -5,8 +5,8 @@
 //!
 //! The rows of samples are those in which the same cells hold numbers to the end of the file. Above
 //! them stand names, units, and keys with values. Where names do not tell which column holds times,
-//! values must: exactly one column may be evenly spaced. A column of times is never a channel; what
-//! cannot be told is refused, and `--columns` says it.
+//! values must: exactly one column may be evenly spaced. A column of times is never a channel; a
+//! column of unknown role is refused; `--columns` gives its role.
 
 use super::cells::CsvRows;
 use super::column::SampleColumn;
