@@ -3,7 +3,7 @@
 use super::block::{Encoding, Levels};
 use super::error::IsfError;
 use super::preamble::{self, PreambleText};
-use crate::quantity::{Dimension, engineering, parse_any};
+use crate::quantity::{Dimension, Quantity, engineering};
 use crate::recording::Capture;
 use crate::recording::finite::check_numbers;
 use crate::scope::waveform::LEVELS_PER_DIVISION;
@@ -128,8 +128,9 @@ impl Name {
             let Some(amount) = item.strip_suffix("/div") else { continue };
             let is_usable = |value: &f64| value.abs() <= preamble::LARGEST;
             let number = |unit| amount.strip_suffix(unit)?.trim().parse().ok().filter(is_usable);
-            let quantity = parse_any(amount).ok().filter(|(value, _)| is_usable(value));
-            let of = |kind| quantity.filter(|(_, found)| *found == kind).map(|(value, _)| value);
+            let quantity: Option<Quantity> = amount.parse().ok();
+            let quantity = quantity.filter(|quantity| is_usable(&quantity.value));
+            let of = |kind| quantity.filter(|q| q.dimension == kind).map(|q| q.value);
             name.scale = name.scale.or(of(Dimension::VOLTAGE)).or(number("dB"));
             let time = of(Dimension::TIME).or(number("Hz"));
             name.horizontal_scale = name.horizontal_scale.or(time);
