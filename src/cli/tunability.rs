@@ -23,8 +23,8 @@ pub struct Arguments {
     /// An included scene, or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
     scene: PathBuf,
-    /// Number of the scene to vary, by its path as in a sweep, e.g. `particles.ptfe_sphere.mass`; `*`
-    /// varies all that it names by one ratio [default: preload, masses, moduli, striker]
+    /// Number of the scene to vary, by its path as in a sweep, e.g. `particles.ptfe_sphere.mass`;
+    /// `*` varies all that it names by one ratio [default: preload, masses, moduli, striker]
     #[arg(long, value_name = "PATH", value_delimiter = ',')]
     vary: Vec<String>,
     /// Number of values of each parameter
