@@ -17,6 +17,8 @@ pub mod tek_csv;
 pub mod true_signal;
 
 pub use error::{FileLocation, RecordingError};
+pub use format::open;
+pub use mcap::write;
 pub use true_signal::TrueSignal;
 
 use crate::scope::Waveform;

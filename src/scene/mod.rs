@@ -8,22 +8,30 @@
 pub mod adjust;
 mod bodies;
 mod distance;
+#[doc(hidden)]
 pub mod document;
 mod effects;
+#[doc(hidden)]
 pub mod grid;
+#[doc(hidden)]
 pub mod help;
 mod library;
+#[doc(hidden)]
 pub mod magnets;
 mod oscilloscope;
 mod panel;
 pub mod plan;
 pub mod problem;
+#[doc(hidden)]
 pub mod problems;
+#[doc(hidden)]
 pub mod random_inputs;
+#[doc(hidden)]
 pub mod resolved;
 mod root;
 pub mod sensors;
 mod shot;
+#[doc(hidden)]
 pub mod table;
 mod uncertainty;
 

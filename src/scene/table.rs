@@ -1,6 +1,6 @@
 //! Tables of a file: their keys, declared once, and typed values read from them.
 //!
-//! [`table!`] declares a table as a struct: one line for each key with its help (the doc comment),
+//! `table!` declares a table as a struct: one line for each key with its help (the doc comment),
 //! its type, its kind with dimension and bound, and its default. The declaration makes
 //!
 //! - the struct, whose fields are `Some` where a key is there and right, or has a default;

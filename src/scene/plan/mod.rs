@@ -160,7 +160,7 @@ table! {
         /// of the fall; or one of:
         height: f64 = quantity(Dimension::LENGTH, Bound::LENGTH),
         height_u: &'a Node = any(&[]),
-        /// with [speeds]
+        /// with `[speeds]`
         gate_time: f64 = quantity(Dimension::TIME, DURATION),
         gate_time_u: &'a Node = any(&[]),
         rebound_speed: f64 = quantity(Dimension::SPEED, Bound::SPEED),
