@@ -97,8 +97,6 @@ table! {
 /// A sweep as its file describes it.
 #[derive(Debug)]
 pub struct Design {
-    /// The file's name.
-    pub file: String,
     /// The file as typed.
     pub text: String,
     /// The scene that is varied, as [`crate::scene::Scene::load`] takes it.
@@ -231,7 +229,6 @@ fn read(file: &Path, node: &Node, problems: &Problems) -> Option<Design> {
     let watch = keys.watch.map(|names| names.iter().map(|(name, _)| (*name).to_owned()).collect());
     let repeat = keys.repeat?;
     let mut design = Design {
-        file: file.display().to_string(),
         text: node.place.text().to_string(),
         scene: beside(file, keys.scene?),
         accuracy: keys.accuracy,
