@@ -1,11 +1,8 @@
-//! How fast a pulse travels from sensor to sensor, and how it fades.
+//! How fast a pulse travels from sensor to sensor.
 //!
 //! Speed `v = d/(t2 - t1)`, `(u_v/v)^2 = (u_d/d)^2 + (u_1^2 + u_2^2)/(t2 - t1)^2`: distance and
-//! arrivals independent of each other. Decay: `A(x) = A0 exp(-g x)`, `g` from a straight line
-//! through `ln A`, each weighted with `(A/u_A)^2`. Propagation: JCGM 100:2008, Eq. (10); line: W.
-//! H. Press et al., Numerical Recipes (2007), Eq. (15.2.6). Valid for uncertainties far below the
-//! values; amplitudes of one line must come from hosts of one kind, since a plate in a steel
-//! cylinder feels 0.69 of what one in a PTFE sphere feels of the same pulse.
+//! arrivals independent of each other. Propagation: JCGM 100:2008, Eq. (10). Valid for
+//! uncertainties far below the values.
 
 use crate::quantity::Uncertain;
 
