@@ -18,7 +18,6 @@ pub mod files;
 pub mod fit;
 pub mod hislip;
 pub mod instrument;
-pub mod lan;
 pub mod magnet;
 pub mod measurement;
 pub mod motion;

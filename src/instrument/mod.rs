@@ -27,7 +27,7 @@ pub use event::Event;
 pub use fault::{Fault, Faults};
 pub use record::{Preparation, Prepared, Signals, TriggerInstant};
 pub use service::{AutosetSignal, Service};
-pub use status::Status;
+pub use status::{Status, StatusSummary};
 
 use std::collections::BTreeMap;
 

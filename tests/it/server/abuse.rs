@@ -5,10 +5,9 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use hertzscope::recording::mcap::read;
-use hertzscope::server::MAX_CONNECTIONS_OF_PEER;
 
 use super::process::Process;
-use super::{Client, IDENTITY, Server, connect};
+use super::{IDENTITY, Server, connect};
 
 /// A web page can have a browser send a POST request whose body holds commands: the connection is
 /// closed at its first line.
@@ -35,41 +34,6 @@ fn an_http_request_is_no_command() {
     // A command that begins alike is one.
     let mut client = server.connect();
     assert_eq!(client.ask("HEAD ON;:CH1:SCALE?"), format!(":CH1:SCALE {scale}"));
-}
-
-/// Connections that say nothing give way to those that come, the oldest first; whoever talks stays.
-#[test]
-fn the_oldest_idle_connection_gives_way() {
-    let server = Server::at_rest();
-    let mut talks = server.connect();
-    assert_eq!(talks.ask("*IDN?"), IDENTITY);
-    let mut silent: Vec<Client> = (1..MAX_CONNECTIONS_OF_PEER).map(|_| server.connect()).collect();
-    std::thread::sleep(Duration::from_millis(1200));
-    assert_eq!(talks.ask("*IDN?"), IDENTITY);
-    for _ in 0..3 {
-        assert_eq!(server.connect().ask("*IDN?"), IDENTITY);
-    }
-    assert!(silent[0].is_closed(), "the oldest");
-    assert_eq!(talks.ask("*IDN?"), IDENTITY, "it has been heard since");
-}
-
-/// Ends of lines alone keep no connection: whoever sends nothing else gives way.
-#[test]
-fn chatty_connections_give_way() {
-    let server = Server::at_rest();
-    let mut chatty: Vec<Client> = (0..MAX_CONNECTIONS_OF_PEER).map(|_| server.connect()).collect();
-    for _ in 0..5 {
-        for client in &mut chatty {
-            client.send(b"\n");
-        }
-        std::thread::sleep(Duration::from_millis(300));
-    }
-    for client in &mut chatty {
-        client.send(b"\n");
-    }
-    for _ in 0..3 {
-        assert_eq!(server.connect().ask("*IDN?"), IDENTITY);
-    }
 }
 
 /// A server of its own process with what it says on standard error.
