@@ -266,7 +266,7 @@ def main():
     PAGE.write_text(f"""# The server among abusers
 
 Made by `docs/abuse.py`, which starts `hertzscope serve` and twenty processes that abuse it, of these kinds: {kinds}. The machine had
-{os.cpu_count()} processors, shared by all of them. `tests/it/server/random_sessions.rs`, `abuse.rs` and `places.rs` hold the same in the suite.
+{os.cpu_count()} processors, shared by all of them. `tests/it/server/random_sessions.rs`, `abuse.rs` and `connections.rs` hold the same in the suite.
 
 Time from `*IDN?` to its answer, of a server with 4 GB of address space:
 

@@ -89,8 +89,15 @@ impl<D: Device> Network<D> {
 
     /// Sends bytes; those to a closed connection are lost.
     pub fn send(&mut self, at: usize, bytes: &[u8]) {
-        if let Some(stream) = &mut self.clients[at].stream {
-            let _ = self.runtime.block_on(stream.write_all(bytes));
+        self.send_all(&[(at, bytes)]);
+    }
+
+    /// Sends bytes on several connections before the server sees any of them.
+    pub fn send_all(&mut self, pieces: &[(usize, &[u8])]) {
+        for (at, bytes) in pieces {
+            if let Some(stream) = &mut self.clients[*at].stream {
+                let _ = self.runtime.block_on(stream.write_all(bytes));
+            }
         }
         self.settle();
     }

@@ -3,10 +3,10 @@
 
 mod abuse;
 mod bench;
+mod connections;
 mod faults;
 mod hislip;
 mod load;
-mod places;
 mod process;
 mod random_sessions;
 mod recording;

@@ -1,4 +1,4 @@
-//! Places of connections: how many there are, and who gives way to whom.
+//! Connections: how many there are, who gives way to whom, and whose turn it is.
 
 use hertzscope::hislip::message::{MessageType, write};
 use hertzscope::server::{MAX_CONNECTIONS, MAX_CONNECTIONS_OF_PEER, Protocol};
@@ -18,7 +18,7 @@ fn connect(network: &mut Network<Fake>, protocol: Protocol, count: usize) -> Vec
 
 #[test]
 fn connections_are_limited() {
-    let mut network = Network::new(0);
+    let mut network = Network::<Fake>::new(0);
     let own = connect(&mut network, Protocol::Raw, MAX_CONNECTIONS_OF_PEER);
     let refused = network.connect(Protocol::Raw);
     assert!(network.is_closed(refused), "an address has its share");
@@ -36,7 +36,7 @@ fn connections_are_limited() {
 /// Connections that say nothing give way to those that come, the oldest first; whoever talks stays.
 #[test]
 fn the_oldest_idle_connection_gives_way() {
-    let mut network = Network::new(0);
+    let mut network = Network::<Fake>::new(0);
     let at = connect(&mut network, Protocol::Raw, MAX_CONNECTIONS_OF_PEER);
     network.wait_until(2.0);
     assert!(answers(&mut network, at[0]));
@@ -49,7 +49,7 @@ fn the_oldest_idle_connection_gives_way() {
 /// Ends of lines alone keep no connection.
 #[test]
 fn chatty_connections_give_way() {
-    let mut network = Network::new(0);
+    let mut network = Network::<Fake>::new(0);
     let chatty = connect(&mut network, Protocol::Raw, MAX_CONNECTIONS_OF_PEER);
     for tenths in 0..20 {
         network.wait_until(1.0 + f64::from(tenths) / 10.0);
@@ -62,7 +62,7 @@ fn chatty_connections_give_way() {
 /// A client that waits for a reply is not idle.
 #[test]
 fn who_waits_for_a_reply_keeps_the_place() {
-    let mut network = Network::new(0);
+    let mut network = Network::<Fake>::new(0);
     let waits = network.connect(Protocol::Raw);
     network.send(waits, b"later?\n");
     let silent = connect(&mut network, Protocol::Raw, MAX_CONNECTIONS_OF_PEER - 1);
@@ -81,7 +81,7 @@ fn who_waits_for_a_reply_keeps_the_place() {
 #[test]
 fn silent_connections_of_all_protocols_give_way() {
     for protocol in [Protocol::PortMapper, Protocol::Vxi11, Protocol::Hislip] {
-        let mut network = Network::new(0);
+        let mut network = Network::<Fake>::new(0);
         let silent = connect(&mut network, protocol, MAX_CONNECTIONS_OF_PEER);
         let refused = network.connect(Protocol::Raw);
         assert!(network.is_closed(refused), "{protocol:?}");
@@ -97,7 +97,7 @@ fn silent_connections_of_all_protocols_give_way() {
 /// The two connections of a HiSLIP session are idle together, and give way together.
 #[test]
 fn a_session_gives_way_with_both_connections() {
-    let mut network = Network::new(0);
+    let mut network = Network::<Fake>::new(0);
     let message = |kind, parameter| {
         let mut bytes = Vec::new();
         write(kind, 0, parameter, b"", &mut bytes);
@@ -121,7 +121,7 @@ fn a_session_gives_way_with_both_connections() {
 /// meanwhile; others are answered.
 #[test]
 fn who_does_not_read_is_dropped() {
-    let mut network = Network::new(0);
+    let mut network = Network::<Fake>::new(0);
     let (deaf, other) = (network.connect(Protocol::Raw), network.connect(Protocol::Raw));
     network.stop_reading(deaf);
     // Four replies fit into the stream's buffer.
@@ -135,4 +135,28 @@ fn who_does_not_read_is_dropped() {
     let log = network.device().log.clone();
     assert!(log.contains(&"close 1".to_owned()));
     assert_eq!(log.iter().filter(|line| line.starts_with("1: ")).count(), 5);
+}
+
+/// A client that sends a hundred messages at once waits for the others between them.
+#[test]
+fn sessions_take_turns() {
+    let mut network = Network::<Fake>::new(0);
+    let (many, one) = (network.connect(Protocol::Raw), network.connect(Protocol::Raw));
+    network.send_all(&[(many, &b"many\n".repeat(100)), (one, b"one\n")]);
+    let log = network.device().log.clone();
+    assert_eq!(log.len(), 2 + 101);
+    let place = log.iter().position(|line| line == "2: one").expect("it is executed");
+    assert!(place <= 4, "after two of the others at most, found {place} lines before it");
+}
+
+/// A browser's request in two pieces is closed before a command is read.
+#[test]
+fn an_http_request_in_pieces_is_no_command() {
+    let mut network = Network::<Fake>::new(0);
+    let page = network.connect(Protocol::Raw);
+    network.send(page, b"PO");
+    assert!(!network.is_closed(page));
+    network.send(page, b"ST /x HTTP/1.1\r\n\r\nCH1:SCALE 5\n");
+    assert!(network.is_closed(page));
+    assert_eq!(network.device().log, ["open 1", "close 1"]);
 }
