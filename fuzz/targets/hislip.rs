@@ -6,7 +6,7 @@
 
 #![cfg_attr(not(test), no_main)]
 
-use hertzscope::hislip::message::MessageHeader;
+use hertzscope::hislip::MessageHeader;
 use hertzscope::server::Protocol;
 
 #[cfg(not(test))]

@@ -124,7 +124,7 @@ impl Status {
         }
     }
 
-    /// The status byte of `*STB?`; `message_available` tells whether a reply waits.
+    /// The status byte of `*STB?`; `message_available`: a reply waits.
     pub fn byte(&self, message_available: bool) -> u8 {
         self.summary().byte(message_available)
     }
@@ -146,7 +146,7 @@ pub struct StatusSummary {
 }
 
 impl StatusSummary {
-    /// The status byte; `message_available` tells whether a reply waits.
+    /// The status byte; `message_available`: a reply waits.
     pub fn byte(self, message_available: bool) -> u8 {
         let mut byte = 0;
         if message_available {

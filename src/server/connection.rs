@@ -74,8 +74,8 @@ impl Connections {
     ) -> io::Result<()> {
         let peer = format!("{} {peer}", protocol.name());
         match protocol {
-            Protocol::Raw => raw::run(&self.network, wire, &seat, peer).await,
-            Protocol::Hislip => hislip::run(&self.network, &self.sessions, wire, seat, peer).await,
+            Protocol::Raw => raw::run(&self.network, wire, &seat, &peer).await,
+            Protocol::Hislip => hislip::run(&self.network, &self.sessions, wire, seat, &peer).await,
             Protocol::Vxi11 => vxi11::run(&self.network, &self.links, wire, &seat, &peer).await,
             Protocol::PortMapper => tokio::select! {
                 ended = port_mapper::run(wire, &seat, self.vxi11_port) => ended,

@@ -21,9 +21,9 @@ use tokio::time::{Instant, timeout, timeout_at};
 
 use super::locks::{Grant, Released};
 use super::network::{Answer, ClientSession, Interrupts, Network, ServiceRequest};
-use super::places::{Busy, Seat};
+use super::places::Seat;
 use super::wire::Wire;
-use crate::hislip::message::{
+use crate::hislip::{
     DecodedPiece, Decoder, FIRST_VENDOR_TYPE, HEADER_BYTES, MAX_PAYLOAD, MessageHeader,
     MessageType, write,
 };
@@ -72,6 +72,9 @@ mod error {
     pub const MESSAGE_TOO_LARGE: u8 = 4;
 }
 
+/// A message: its header and payload.
+type Message = (MessageHeader, Vec<u8>);
+
 /// Either connection of a session.
 struct Channel {
     wire: Wire,
@@ -109,8 +112,17 @@ impl Channel {
         self.send(MessageType::Error, (code, 0), reason.as_bytes()).await
     }
 
-    async fn complain_of_size(&mut self) -> io::Result<()> {
-        self.complain(error::MESSAGE_TOO_LARGE, &format!("at most {MAX_PAYLOAD} bytes")).await
+    /// The message in a piece, or none if it was too large.
+    async fn message(&mut self, piece: DecodedPiece) -> io::Result<Option<Message>> {
+        match piece {
+            DecodedPiece::Message(header, payload) => Ok(Some((header, payload))),
+            DecodedPiece::TooLarge(_) => {
+                let reason = format!("at most {MAX_PAYLOAD} bytes");
+                self.complain(error::MESSAGE_TOO_LARGE, &reason).await?;
+                Ok(None)
+            }
+            DecodedPiece::Malformed => self.refuse(fatal::INVALID_HEADER, "no header").await,
+        }
     }
 
     async fn complain_of_type(&mut self, code: u8) -> io::Result<()> {
@@ -173,7 +185,7 @@ pub async fn run(
     sessions: &Sessions,
     wire: Wire,
     seat: Seat,
-    peer: String,
+    peer: &str,
 ) -> io::Result<()> {
     let end = Instant::now() + INITIALISATION_TIMEOUT;
     let mut channel = Channel { wire, decoder: Decoder::default() };
@@ -196,7 +208,7 @@ pub async fn run(
             let Some((number, joined)) = sessions.reserve() else {
                 return channel.refuse(fatal::TOO_MANY_CLIENTS, "too many sessions").await;
             };
-            let session = network.open(peer);
+            let session = network.open(peer, &seat);
             let parameter = PROTOCOL_VERSION | u32::from(number.number);
             channel.send(MessageType::InitializeResponse, (0, parameter), &[]).await?;
             let joining = timeout_at(end, second_connection(network, &mut channel, joined)).await;
@@ -243,12 +255,8 @@ async fn second_connection(
                 return joining.map_err(|_| io::ErrorKind::NotConnected.into());
             }
             () = network.closed() => return Err(io::ErrorKind::NotConnected.into()),
-            piece = channel.next() => match piece? {
-                DecodedPiece::Malformed => {
-                    return channel.refuse(fatal::INVALID_HEADER, "no header").await;
-                }
-                DecodedPiece::TooLarge(_) => channel.complain_of_size().await?,
-                DecodedPiece::Message(..) => {
+            piece = channel.next() => {
+                if channel.message(piece?).await?.is_some() {
                     let reason = "the second connection is missing";
                     return channel.refuse(fatal::CHANNEL_NOT_ESTABLISHED, reason).await;
                 }
@@ -303,7 +311,6 @@ async fn serve(
         seat,
         state: &state,
         notices,
-        waits: None,
         within_message: false,
         last: None,
     };
@@ -334,8 +341,6 @@ struct Synchronous<'a> {
     state: &'a watch::Sender<State>,
     /// Takes the identifiers of messages that interrupt a reply.
     notices: mpsc::Sender<u32>,
-    /// While the session waits for the end of an acquisition.
-    waits: Option<Busy>,
     /// A message has begun and not ended.
     within_message: bool,
     /// Identifier of the last message whose end has come since the start or a device clear.
@@ -347,22 +352,17 @@ impl Synchronous<'_> {
         loop {
             tokio::select! {
                 biased;
-                answer = self.session.answer() => {
-                    let answer = answer.ok_or(io::ErrorKind::NotConnected)?;
-                    self.take(answer, NO_MESSAGE_ID).await?;
-                }
-                piece = self.channel.next() => match piece? {
-                    DecodedPiece::Malformed => {
-                        return self.channel.refuse(fatal::INVALID_HEADER, "no header").await;
+                answer = self.session.answer() => self.take(answer?, NO_MESSAGE_ID).await?,
+                piece = self.channel.next() => {
+                    if let Some(message) = self.channel.message(piece?).await? {
+                        self.receive(message).await?;
                     }
-                    DecodedPiece::TooLarge(_) => self.channel.complain_of_size().await?,
-                    DecodedPiece::Message(header, payload) => self.receive(header, payload).await?,
                 }
             }
         }
     }
 
-    async fn receive(&mut self, header: MessageHeader, payload: Vec<u8>) -> io::Result<()> {
+    async fn receive(&mut self, (header, payload): Message) -> io::Result<()> {
         self.seat.touch();
         let kind = MessageType::from_code(header.code);
         if kind == Some(MessageType::DeviceClearComplete) {
@@ -392,18 +392,15 @@ impl Synchronous<'_> {
             let cleared = async { _ = state.wait_for(|state| state.clearing).await };
             tokio::select! {
                 biased;
-                answer = self.session.answer() => {
-                    let answer = answer.ok_or(io::ErrorKind::NotConnected)?;
-                    self.take(answer, NO_MESSAGE_ID).await?;
-                }
+                answer = self.session.answer() => self.take(answer?, NO_MESSAGE_ID).await?,
                 () = self.network.locks.may_act(number) => return Ok(()),
                 () = cleared => return Ok(()),
             }
         }
     }
 
-    /// Executes a message, a part of one, or a trigger, which stands beside a message that has
-    /// begun.
+    /// Executes a message, a part of one, or a trigger, which leaves a message that has begun as it
+    /// is.
     async fn execute(
         &mut self,
         kind: MessageType,
@@ -425,21 +422,19 @@ impl Synchronous<'_> {
         if ends {
             self.last = Some(identifier);
         }
-        let busy = self.seat.busy();
         if kind == MessageType::Trigger {
             self.session.trigger(interrupts);
         } else {
             self.session.send(payload, ends, interrupts);
         }
         loop {
-            let answer = self.session.answer().await.ok_or(io::ErrorKind::NotConnected)?;
+            let answer = self.session.answer().await?;
             let is_done = matches!(answer, Answer::Done { .. });
             self.take(answer, identifier).await?;
             if is_done {
                 break;
             }
         }
-        drop(busy);
         if ends {
             self.state.send_modify(|state| {
                 state.executed = Some(identifier).filter(|_| !state.clearing);
@@ -463,8 +458,7 @@ impl Synchronous<'_> {
                 let _ = self.notices.send(identifier).await;
             }
             Answer::DropAfter(length) => self.channel.wire.drop_after(length),
-            Answer::Done { waits } => self.waits = waits.then(|| self.seat.busy()),
-            Answer::Resumed => self.waits = None,
+            Answer::Done { .. } | Answer::Resumed => {}
         }
         Ok(())
     }
@@ -484,9 +478,7 @@ impl Synchronous<'_> {
     }
 
     async fn complete_clear(&mut self) -> io::Result<()> {
-        // What is still there was answered before the device clear.
-        while self.session.try_answer().is_some() {}
-        self.waits = None;
+        self.session.clear();
         (self.within_message, self.last) = (false, None);
         self.state.send_modify(|state| {
             (state.clearing, state.undelivered, state.executed) = (false, false, None);
@@ -529,12 +521,10 @@ impl<'a> Asynchronous<'a> {
                 }
                 () = finished(&mut self.releasing) => self.release().await?,
                 grant = finished(&mut self.requested) => self.answer_lock(grant).await?,
-                piece = self.channel.next() => match piece? {
-                    DecodedPiece::Malformed => {
-                        return self.channel.refuse(fatal::INVALID_HEADER, "no header").await;
+                piece = self.channel.next() => {
+                    if let Some(message) = self.channel.message(piece?).await? {
+                        self.receive(message).await?;
                     }
-                    DecodedPiece::TooLarge(_) => self.channel.complain_of_size().await?,
-                    DecodedPiece::Message(header, payload) => self.receive(header, payload).await?,
                 },
                 _ = state.changed() => {}
                 changed = status.changed() => {
@@ -559,7 +549,7 @@ impl<'a> Asynchronous<'a> {
         Ok(())
     }
 
-    async fn receive(&mut self, header: MessageHeader, payload: Vec<u8>) -> io::Result<()> {
+    async fn receive(&mut self, (header, payload): Message) -> io::Result<()> {
         self.seat.touch();
         match MessageType::from_code(header.code) {
             Some(MessageType::AsyncMaximumMessageSize) => {
@@ -685,7 +675,7 @@ mod tests {
     use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 
     use super::{Network, Sessions, Wire, run};
-    use crate::hislip::message::{HEADER_BYTES, MessageHeader, MessageType, write};
+    use crate::hislip::{HEADER_BYTES, MessageHeader, MessageType, write};
 
     /// IVI-6.1, table 14: code 4 is "server refused connection due to maximum number of clients
     /// exceeded".
@@ -699,7 +689,7 @@ mod tests {
         write(MessageType::Initialize, 0, 0x0100_0000, b"hislip0", &mut bytes);
         client.write_all(&bytes).await.expect("room");
         let (seat, _end) = network.places.admit([127, 0, 0, 1].into()).expect("a place");
-        let ended = run(&network, &sessions, Wire::new(Box::new(stream)), seat, String::new());
+        let ended = run(&network, &sessions, Wire::new(Box::new(stream)), seat, "");
         ended.await.expect_err("refused");
         let mut head = [0; HEADER_BYTES];
         client.read_exact(&mut head).await.expect("a message");

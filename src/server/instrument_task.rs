@@ -20,7 +20,7 @@ use crate::instrument::{Accepted, Event, Instrument};
 use crate::recording::TrueSignal;
 use crate::scene::Scene;
 
-/// Period at which the instrument is told the time.
+/// Period at which the instrument's time advances.
 const TICK: Duration = Duration::from_millis(5);
 /// Shortest time from one strike to the next.
 const MIN_STRIKE_INTERVAL: Duration = Duration::from_millis(1);
@@ -157,7 +157,7 @@ impl InstrumentTask {
                 let records = prepared.take();
                 let accepted = records.and_then(|r| instrument.accept_prepared(&signals, r));
                 let Some(accepted) = accepted else {
-                    // Another knob was turned: the same signals are recorded as it stands now.
+                    // A setting was changed: the same signals are recorded with the new settings.
                     if attempts < MAX_ATTEMPTS {
                         let signals = Ok((signals, truth));
                         let again = StrikeSignals {
@@ -210,8 +210,8 @@ impl InstrumentTask {
         }
     }
 
-    /// Records an acquisition that has ended, and waits until it is written, before any client is
-    /// told of it.
+    /// Records an acquisition that has ended, and waits until it is written: replies that report it
+    /// are sent afterwards.
     async fn write_finished_records(&mut self) {
         let finished = self.sessions.instrument.take_finished();
         self.sessions.log.keep_pace().await;

@@ -71,7 +71,7 @@ pub struct Sockets {
 
 /// Answers all connections until `shutdown` resolves, and writes all of it to `recording`, which is
 /// finished then. The instrument begins as the scene sets it, running. A simulation that is under
-/// way at the end goes on, on its thread, unheard.
+/// way at the end continues on its thread; its result is discarded.
 ///
 /// # Errors
 /// [`ServeError`] where the server cannot start, the scene cannot be run or the recording cannot be

@@ -5,13 +5,15 @@
 //! queue of requests is no longer than there are sessions. Its answers come in one queue, in the
 //! order in which the instrument gave them: replies, also late ones, and the end of each message.
 
+use std::future::poll_fn;
+use std::io;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::task::{Context, Poll};
 
 use tokio::sync::{mpsc, oneshot, watch};
 
 use super::locks::LockTable;
-use super::places::Places;
+use super::places::{Busy, Places, Seat};
 use crate::instrument::StatusSummary;
 
 /// Answers of a session that wait for its connection. One that takes no more loses its session.
@@ -68,7 +70,7 @@ pub enum Request {
 /// When a message interrupts the reply to the message before (IEEE 488.2, query interrupted).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Interrupts {
-    /// Never: it continues a message, or the protocol does not tell.
+    /// Never: it continues a message, or the protocol has no interruptions.
     Never,
     /// If the instrument still owes the reply.
     IfOwed,
@@ -83,7 +85,7 @@ pub enum Answer {
     Reply(Vec<u8>),
     /// The reply to the message before was thrown away.
     Interrupted,
-    /// A fault: the connection ends after so many more bytes.
+    /// A fault: the connection ends after this number of further bytes.
     DropAfter(usize),
     /// The message is executed.
     Done {
@@ -128,12 +130,12 @@ impl Network {
         (network, Inbox { requests: inbox, status: status_sender })
     }
 
-    /// Opens a session.
-    pub fn open(&self, peer: String) -> ClientSession<'_> {
+    /// Opens a session on the connection with this place.
+    pub fn open<'a>(&'a self, peer: &str, seat: &'a Seat) -> ClientSession<'a> {
         let number = self.next_session.fetch_add(1, Ordering::Relaxed);
         let (answers, inbox) = mpsc::channel(ANSWER_QUEUE_CAPACITY);
-        self.send(Request::Open { session: number, peer, answers });
-        ClientSession { network: self, number, answers: inbox }
+        self.send(Request::Open { session: number, peer: peer.to_owned(), answers });
+        ClientSession { network: self, number, answers: inbox, seat, busy: None }
     }
 
     /// Follows the part of the status byte that all clients share.
@@ -165,11 +167,14 @@ impl Network {
     }
 }
 
-/// A connection's end of a session, which ends with it, as do its locks.
+/// A connection's end of a session, which ends with it, as do its locks. The connection keeps its
+/// place while a message is under way or the session waits for the end of an acquisition.
 pub struct ClientSession<'a> {
     network: &'a Network,
     number: u64,
     answers: mpsc::Receiver<Answer>,
+    seat: &'a Seat,
+    busy: Option<Busy>,
 }
 
 impl ClientSession<'_> {
@@ -179,28 +184,51 @@ impl ClientSession<'_> {
     }
 
     /// Sends part of a message; to be followed by answers up to [`Answer::Done`].
-    pub fn send(&self, bytes: Vec<u8>, end: bool, interrupts: Interrupts) {
-        self.network.send(Request::Message { session: self.number, bytes, end, interrupts });
+    pub fn send(&mut self, bytes: Vec<u8>, end: bool, interrupts: Interrupts) {
+        self.request(Request::Message { session: self.number, bytes, end, interrupts });
     }
 
     /// Sends a device trigger; to be followed by answers up to [`Answer::Done`].
-    pub fn trigger(&self, interrupts: Interrupts) {
-        self.network.send(Request::Trigger { session: self.number, interrupts });
+    pub fn trigger(&mut self, interrupts: Interrupts) {
+        self.request(Request::Trigger { session: self.number, interrupts });
     }
 
-    /// The next answer; none if the session has ended.
-    pub async fn answer(&mut self) -> Option<Answer> {
-        self.answers.recv().await
+    fn request(&mut self, request: Request) {
+        self.busy = Some(self.seat.busy());
+        self.network.send(request);
     }
 
-    /// Polls for the next answer; ready with none if the session has ended.
-    pub fn poll_answer(&mut self, context: &mut Context<'_>) -> Poll<Option<Answer>> {
-        self.answers.poll_recv(context)
+    /// Device clear: what is in the queue of answers afterwards was answered before.
+    pub fn clear(&mut self) {
+        while self.answers.try_recv().is_ok() {}
+        self.busy = None;
     }
 
-    /// The next answer, if it is there.
-    pub fn try_answer(&mut self) -> Option<Answer> {
-        self.answers.try_recv().ok()
+    /// The next answer.
+    ///
+    /// # Errors
+    /// That the session has ended.
+    pub async fn answer(&mut self) -> io::Result<Answer> {
+        poll_fn(|context| self.poll_answer(context)).await
+    }
+
+    /// Polls for the next answer.
+    ///
+    /// # Errors
+    /// That the session has ended.
+    pub fn poll_answer(&mut self, context: &mut Context<'_>) -> Poll<io::Result<Answer>> {
+        self.answers.poll_recv(context).map(|answer| {
+            let answer = answer.ok_or(io::ErrorKind::NotConnected)?;
+            if let Answer::Done { waits: false } | Answer::Resumed = answer {
+                self.busy = None;
+            }
+            Ok(answer)
+        })
+    }
+
+    /// Whether a message is under way, or the session waits for the end of an acquisition.
+    pub fn is_busy(&self) -> bool {
+        self.busy.is_some()
     }
 }
 
@@ -232,9 +260,9 @@ impl ServiceRequest {
         is_new
     }
 
-    /// The status byte with the bit that tells whether service was asked for; reading it answers
-    /// the request.
+    /// The status byte; its bit 6 is set if service was requested since the last read.
     pub fn read(&mut self, status: StatusSummary, message_available: bool) -> u8 {
+        self.is_due(status, message_available);
         let byte = status.byte(message_available) & !SERVICE_REQUEST_BIT;
         let is_pending = std::mem::take(&mut self.is_pending);
         byte | if is_pending { SERVICE_REQUEST_BIT } else { 0 }

@@ -19,7 +19,7 @@ const IDLE_TIME: Duration = Duration::from_secs(1);
 /// A place that is taken.
 struct Place {
     peer: IpAddr,
-    /// Connections that it stands for: two for a HiSLIP session.
+    /// Number of connections that share it: two for a HiSLIP session.
     connections: usize,
     /// What the connection's client waits for at the moment.
     busy: usize,

@@ -6,7 +6,7 @@ use std::time::Duration;
 use tokio::time::{Instant, sleep_until};
 
 use super::network::{Answer, ClientSession, Interrupts, Network};
-use super::places::{Busy, Seat};
+use super::places::Seat;
 use super::wire::Wire;
 
 /// Time after which a connection that is closed for sending is dropped although an answer is
@@ -54,8 +54,6 @@ struct RawConnection<'a> {
     session: ClientSession<'a>,
     wire: Wire,
     seat: &'a Seat,
-    /// While the session waits for the end of an acquisition.
-    waits: Option<Busy>,
     /// Replies that are not written yet.
     replies: Vec<u8>,
 }
@@ -65,16 +63,15 @@ struct RawConnection<'a> {
 ///
 /// # Errors
 /// The system's error.
-pub async fn run(network: &Network, wire: Wire, seat: &Seat, peer: String) -> io::Result<()> {
-    let session = network.open(peer);
-    let mut connection = RawConnection { session, wire, seat, waits: None, replies: Vec::new() };
+pub async fn run(network: &Network, wire: Wire, seat: &Seat, peer: &str) -> io::Result<()> {
+    let session = network.open(peer, seat);
+    let mut connection = RawConnection { session, wire, seat, replies: Vec::new() };
     let mut http_filter = HttpFilter::default();
     loop {
         tokio::select! {
             biased;
             answer = connection.session.answer() => {
-                let Some(answer) = answer else { return Ok(()) };
-                connection.take(answer).await?;
+                connection.take(answer?).await?;
                 connection.flush().await?;
             }
             bytes = connection.wire.read() => {
@@ -99,11 +96,10 @@ impl RawConnection<'_> {
         if !bytes.trim_ascii().is_empty() {
             self.seat.touch();
         }
-        let busy = self.seat.busy();
         for message in bytes.split_inclusive(|byte| matches!(byte, b'\n' | b'\r')) {
             self.session.send(message.to_vec(), false, Interrupts::Never);
             loop {
-                let answer = self.session.answer().await.ok_or(io::ErrorKind::NotConnected)?;
+                let answer = self.session.answer().await?;
                 let is_done = matches!(answer, Answer::Done { .. });
                 self.take(answer).await?;
                 if is_done {
@@ -111,7 +107,6 @@ impl RawConnection<'_> {
                 }
             }
         }
-        drop(busy);
         self.flush().await
     }
 
@@ -122,9 +117,7 @@ impl RawConnection<'_> {
                 self.flush().await?;
                 self.wire.drop_after(length);
             }
-            Answer::Done { waits } => self.waits = waits.then(|| self.seat.busy()),
-            Answer::Resumed => self.waits = None,
-            Answer::Interrupted => {}
+            Answer::Done { .. } | Answer::Resumed | Answer::Interrupted => {}
         }
         Ok(())
     }
@@ -137,11 +130,10 @@ impl RawConnection<'_> {
     /// The client sends no more, but may still wait for a reply.
     async fn finish(mut self) -> io::Result<()> {
         let end = Instant::now() + HALF_CLOSED_TIMEOUT;
-        while self.waits.is_some() {
+        while self.session.is_busy() {
             tokio::select! {
                 answer = self.session.answer() => {
-                    let Some(answer) = answer else { return Ok(()) };
-                    self.take(answer).await?;
+                    self.take(answer?).await?;
                     self.flush().await?;
                 }
                 () = sleep_until(end) => return Ok(()),

@@ -21,7 +21,7 @@ use tokio::time::{Instant, sleep_until, timeout};
 
 use super::locks::{Grant, Released};
 use super::network::{Answer, ClientSession, Interrupts, Network, ServiceRequest};
-use super::places::{Busy, Seat};
+use super::places::Seat;
 use super::wire::Wire;
 use crate::instrument::StatusSummary;
 use crate::vxi11::procedure::{
@@ -117,8 +117,6 @@ struct Link<'a> {
     /// A message has begun and not ended.
     within_message: bool,
     service: ServiceRequest,
-    /// While the session waits for the end of an acquisition.
-    waits: Option<Busy>,
     /// Bytes after which a fault closes the connection.
     drop_after: Option<usize>,
 }
@@ -219,10 +217,9 @@ impl<'a> Channel<'a> {
             polled.find(Poll::is_ready).unwrap_or(Poll::Pending)
         });
         let (number, answer) = next.await;
-        let answer = answer.ok_or(io::ErrorKind::NotConnected)?;
-        let status = *self.network.status().borrow();
+        let (answer, status) = (answer?, *self.network.status().borrow());
         if let Some(link) = self.own.get_mut(&number) {
-            link.take(answer, self.seat);
+            link.take(answer);
             link.service.is_due(status, !link.reply.is_empty());
         }
         Ok(())
@@ -275,7 +272,6 @@ impl<'a> Channel<'a> {
             }
         }
         let status = self.network.status();
-        link.take_answers(self.seat, *status.borrow());
         let results = match procedure {
             Procedure::Write { data, end } => {
                 // A message that comes before the reply to the one before was read: that reply is
@@ -287,11 +283,11 @@ impl<'a> Channel<'a> {
                     (true, false) => Interrupts::Always,
                 };
                 link.session.send(data.to_vec(), end, interrupts);
-                link.complete(self.seat).await?;
+                link.complete().await?;
                 words(&[0, u32::try_from(data.len()).unwrap_or(0)])
             }
             Procedure::Read { count, terminator } => {
-                let code = link.wait_for_reply(self.seat, began + timeouts.io).await?;
+                let code = link.wait_for_reply(began + timeouts.io).await?;
                 match code {
                     Some(code) => procedure.failure(code),
                     None => link.read(count, terminator),
@@ -303,15 +299,14 @@ impl<'a> Channel<'a> {
             }
             Procedure::Trigger => {
                 link.session.trigger(Interrupts::Never);
-                link.complete(self.seat).await?;
+                link.complete().await?;
                 words(&[0])
             }
             Procedure::Clear => {
                 self.network.clear(link.session.number()).await;
-                while link.session.try_answer().is_some() {}
+                link.session.clear();
                 link.reply.clear();
                 link.within_message = false;
-                link.waits = None;
                 words(&[0])
             }
             Procedure::Remote | Procedure::Local => {
@@ -347,7 +342,7 @@ impl<'a> Channel<'a> {
         let Some(number) = self.links.reserve(self.network, self.seat.number()) else {
             return failure(ErrorCode::OutOfResources);
         };
-        let session = self.network.open(peer.to_owned());
+        let session = self.network.open(peer, self.seat);
         if let Some(within) = lock {
             let grant = self.network.locks.acquire(session.number(), Vec::new(), within).await;
             if grant != Grant::Granted {
@@ -363,7 +358,6 @@ impl<'a> Channel<'a> {
                 reply: Vec::new(),
                 within_message: false,
                 service: ServiceRequest::default(),
-                waits: None,
                 drop_after: None,
             },
         );
@@ -373,30 +367,21 @@ impl<'a> Channel<'a> {
 }
 
 impl Link<'_> {
-    fn take(&mut self, answer: Answer, seat: &Seat) {
+    fn take(&mut self, answer: Answer) {
         match answer {
             Answer::Reply(bytes) => self.reply.extend(bytes),
             Answer::Interrupted => self.reply.clear(),
             Answer::DropAfter(length) => self.drop_after = Some(length),
-            Answer::Done { waits } => self.waits = waits.then(|| seat.busy()),
-            Answer::Resumed => self.waits = None,
+            Answer::Done { .. } | Answer::Resumed => {}
         }
-    }
-
-    /// Takes the answers that have come since the last call.
-    fn take_answers(&mut self, seat: &Seat, status: StatusSummary) {
-        while let Some(answer) = self.session.try_answer() {
-            self.take(answer, seat);
-        }
-        self.service.is_due(status, !self.reply.is_empty());
     }
 
     /// Waits until a message is executed.
-    async fn complete(&mut self, seat: &Seat) -> io::Result<()> {
+    async fn complete(&mut self) -> io::Result<()> {
         loop {
-            let answer = self.session.answer().await.ok_or(io::ErrorKind::NotConnected)?;
+            let answer = self.session.answer().await?;
             let is_done = matches!(answer, Answer::Done { .. });
-            self.take(answer, seat);
+            self.take(answer);
             if is_done {
                 return Ok(());
             }
@@ -404,15 +389,12 @@ impl Link<'_> {
     }
 
     /// Waits for something to read until `end`; returns why there is nothing.
-    async fn wait_for_reply(&mut self, seat: &Seat, end: Instant) -> io::Result<Option<ErrorCode>> {
+    async fn wait_for_reply(&mut self, end: Instant) -> io::Result<Option<ErrorCode>> {
         let abort = Arc::clone(&self.number.abort);
         while self.reply.is_empty() {
             tokio::select! {
                 biased;
-                answer = self.session.answer() => {
-                    let answer = answer.ok_or(io::ErrorKind::NotConnected)?;
-                    self.take(answer, seat);
-                }
+                answer = self.session.answer() => self.take(answer?),
                 () = abort.notified() => return Ok(Some(ErrorCode::Abort)),
                 () = sleep_until(end) => return Ok(Some(ErrorCode::Timeout)),
             }

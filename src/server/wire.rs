@@ -79,7 +79,7 @@ impl Wire {
         Ok(self.buffer.get(..length).unwrap_or_default())
     }
 
-    /// Closes the connection after so many more bytes.
+    /// Closes the connection after `length` further bytes.
     pub fn drop_after(&mut self, length: usize) {
         self.bytes_left = Some(length);
     }

@@ -3,7 +3,7 @@
 
 use std::sync::MutexGuard;
 
-use hertzscope::hislip::message::MessageType;
+use hertzscope::hislip::MessageType;
 use hertzscope::server::{MAX_LINKS_OF_CONNECTION, Protocol};
 use hertzscope::vxi11::port_mapper;
 

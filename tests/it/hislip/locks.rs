@@ -1,6 +1,6 @@
 //! Locks: who may act, who waits, who is told what.
 
-use hertzscope::hislip::message::MessageType;
+use hertzscope::hislip::MessageType;
 
 use super::partner::{Client, Lab, identifier};
 

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::MutexGuard;
 
-use hertzscope::hislip::message::{DecodedPiece, Decoder, MessageType, write};
+use hertzscope::hislip::{DecodedPiece, Decoder, MessageType, write};
 use hertzscope::server::{Answer, Interrupts, Protocol, Request};
 use tokio::sync::mpsc;
 

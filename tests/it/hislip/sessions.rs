@@ -1,6 +1,6 @@
 //! Sessions: beginning, messages and replies, interruption, device clear, status, errors.
 
-use hertzscope::hislip::message::MessageType;
+use hertzscope::hislip::MessageType;
 use proptest::prelude::*;
 
 use super::partner::{Client, Lab, identifier};

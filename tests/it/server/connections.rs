@@ -1,6 +1,6 @@
 //! Connections: how many there are, who gives way to whom, and whose turn it is.
 
-use hertzscope::hislip::message::{MessageType, write};
+use hertzscope::hislip::{MessageType, write};
 use hertzscope::server::{MAX_CONNECTIONS, MAX_CONNECTIONS_OF_PEER, Protocol};
 
 use crate::fuzz_corpora::network::Network;

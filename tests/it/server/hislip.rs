@@ -3,7 +3,7 @@
 use std::io::{Read as _, Write as _};
 use std::net::{SocketAddr, TcpStream};
 
-use hertzscope::hislip::message::{DecodedPiece, Decoder, MessageType, write};
+use hertzscope::hislip::{DecodedPiece, Decoder, MessageType, write};
 
 use super::{IDENTITY, LIMIT, Server};
 
