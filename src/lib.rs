@@ -77,8 +77,6 @@ pub mod hislip;
 #[doc(hidden)]
 pub mod instrument;
 #[doc(hidden)]
-pub mod lan;
-#[doc(hidden)]
 pub mod magnet;
 #[doc(hidden)]
 pub mod motion;

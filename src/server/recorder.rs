@@ -134,8 +134,8 @@ impl Recorder {
         self.writer.keep_pace().await;
     }
 
-    /// Waits until all is with the operating system, unless the disk has stalled: what a client was
-    /// told survives the server.
+    /// Waits until the operating system has everything, unless the disk has stalled: a shot that a
+    /// client knows of survives the server.
     pub async fn drain(&mut self) {
         self.writer.drain().await;
     }
