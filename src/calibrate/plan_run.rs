@@ -15,8 +15,9 @@ use crate::quantity::Uncertain;
 use crate::recording::format::open_with;
 use crate::recording::tek_csv::TableColumns;
 use crate::recording::{Capture, TraceSet};
+use crate::scene::SceneError;
 use crate::scene::hexadecimal;
-use crate::scene::plan::{CalibrationPlan, INPUT, PlanError, PlannedImpact, SpeedMethod};
+use crate::scene::plan::{CalibrationPlan, INPUT, PlannedImpact, SpeedMethod};
 use crate::scene::problem::Problem;
 
 /// Why there is no calibration.
@@ -24,7 +25,7 @@ use crate::scene::problem::Problem;
 pub enum PlanRunError {
     /// The plan, or a recording that it names.
     #[error(transparent)]
-    Plan(#[from] PlanError),
+    Plan(#[from] SceneError),
     /// Too little could be used.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
@@ -56,7 +57,7 @@ pub fn run(
     }
     problems.extend(another_load(plan, &evidence));
     if !problems.is_empty() {
-        return Err(PlanError::Problems(problems).into());
+        return Err(SceneError::InFile { what: "the plan", problems }.into());
     }
     let draws = Draws { seed: plan.seed, count: usize::try_from(plan.draws).unwrap_or(0) };
     let mut found = calibrate(&strikes, &common(plan), draws)?;

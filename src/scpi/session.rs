@@ -89,11 +89,6 @@ impl Session {
         self.by_instrument
     }
 
-    /// How replies look.
-    pub fn preferences(&self) -> &Preferences {
-        &self.preferences
-    }
-
     /// Takes bytes as they come, in pieces of any size.
     pub fn receive(&mut self, instrument: &mut Instrument, bytes: &[u8]) -> Reply {
         let mut out = Vec::new();

@@ -271,8 +271,8 @@ fn locks_bind_both_protocols() {
     assert_eq!(lab.ask(two.0, LOCK, &words(&[two.1, 0, 0])), words(&[0]));
 }
 
-/// Interrupt channels are not offered; a new reason for service shows in the status byte until it is
-/// polled.
+/// Interrupt channels are not offered; a new reason for service shows in the status byte until it
+/// is polled.
 #[test]
 fn service_requests_show_in_the_status_byte() {
     let mut lab = Lab::new();

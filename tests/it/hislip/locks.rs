@@ -142,8 +142,8 @@ fn a_session_that_ends_leaves_no_lock() {
     assert_eq!(info(&mut lab, two), (1, 1));
 }
 
-/// After a device clear identifiers begin anew: a release that overtakes the first message waits for
-/// it.
+/// After a device clear identifiers begin anew: a release that overtakes the first message waits
+/// for it.
 #[test]
 fn identifiers_begin_anew_after_a_device_clear() {
     let mut lab = Lab::default();
