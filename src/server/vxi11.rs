@@ -186,7 +186,7 @@ async fn receive_more(wire: &mut Wire, records: &mut RecordDecoder, seat: &Seat)
     Err(io::ErrorKind::InvalidData.into())
 }
 
-impl<'a> Channel<'a> {
+impl Channel<'_> {
     /// Executes a call; returns its reply, or an error where the record is no call.
     async fn execute(&mut self, message: &[u8], peer: &str) -> io::Result<Vec<u8>> {
         let call = match Call::parse(message) {
