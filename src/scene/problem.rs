@@ -2,6 +2,8 @@
 
 use std::fmt::{self, Write as _};
 
+use crate::quantity::printable;
+
 /// The text found where a required key is missing.
 pub(super) const MISSING: &str = "no such key";
 
@@ -24,32 +26,36 @@ pub struct Problem {
 
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Names in a file may hold what a terminal obeys.
+        f.write_str(&printable(&self.sentence()))
+    }
+}
+
+impl Problem {
+    /// The place, what was found there and what is expected.
+    fn sentence(&self) -> String {
         let Self { file, line, column, key, found, expected } = self;
         if *line == 0 {
-            return write!(f, "{file}: {found}");
+            return format!("{file}: {found}");
         }
-        write!(f, "{file}:{line}:{column}: ")?;
+        let place = format!("{file}:{line}:{column}: ");
         if found == MISSING {
-            return write!(f, "missing `{key}`: give {expected}");
+            return format!("{place}missing `{key}`: give {expected}");
         }
-        if !key.is_empty() {
-            write!(f, "{key}: ")?;
-        }
+        let place = if key.is_empty() { place } else { format!("{place}{key}: ") };
         if expected.is_empty() {
-            return f.write_str(found);
+            return format!("{place}{found}");
         }
         // What is needed stands before the example of it.
         let (needed, example) = expected.split_once(", e.g. ").unwrap_or((expected, ""));
         let example = if example.is_empty() { "" } else { &expected[needed.len()..] };
         if found.starts_with('`') && found.contains("` is ") {
-            write!(f, "{found}; {needed} is needed{example}")
+            format!("{place}{found}; {needed} is needed{example}")
         } else {
-            write!(f, "found {found}, expected {expected}")
+            format!("{place}found {found}, expected {expected}")
         }
     }
-}
 
-impl Problem {
     /// Says that a problem in the base of the scene `file` may come from changes in `file`:
     /// the base
     /// alone may be right.
@@ -65,7 +71,7 @@ impl Problem {
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// The file could not be read.
-    #[error("{file}")]
+    #[error("{}", printable(file))]
     Read {
         /// The file.
         file: String,
@@ -73,7 +79,7 @@ pub enum SceneError {
         source: std::io::Error,
     },
     /// The file is too large for a scene.
-    #[error("{file}: found more than {limit} bytes, expected a scene")]
+    #[error("{}: found more than {limit} bytes, expected a scene", printable(file))]
     TooLarge {
         /// The file.
         file: String,
@@ -82,7 +88,8 @@ pub enum SceneError {
     },
     /// Neither an embedded scene nor a file.
     #[error(
-        "no scene or file `{name}`{}; `hertzscope scenes` lists the shipped ones",
+        "no scene or file `{}`{}; `hertzscope scenes` lists the shipped ones",
+        printable(name),
         did_you_mean(name, shipped)
     )]
     Unknown {
@@ -93,7 +100,8 @@ pub enum SceneError {
     },
     /// Neither an included instrument nor a file.
     #[error(
-        "found no `{name}` among the included {listed} ({}), and it is no .toml file{}",
+        "found no `{}` among the included {listed} ({}), and it is no .toml file{}",
+        printable(name),
         known.join(", "),
         did_you_mean(name, known)
     )]
@@ -106,7 +114,7 @@ pub enum SceneError {
         known: Vec<&'static str>,
     },
     /// A file of the command line that is not there.
-    #[error("found `{name}`, which is no file, expected the path of {what}")]
+    #[error("found `{}`, which is no file, expected the path of {what}", printable(name))]
     NoFile {
         /// The path as typed.
         name: String,
@@ -123,7 +131,8 @@ pub enum SceneError {
     },
     /// A file or folder that is no scene.
     #[error(
-        "{name} is no scene, which is a .toml file; a simulated recording carries its scene (`hertzscope info`)"
+        "{} is no scene, which is a .toml file; a simulated recording carries its scene (`hertzscope info`)",
+        printable(name)
     )]
     NoScene {
         /// The path.
