@@ -109,8 +109,6 @@ impl InstrumentTask {
             self.sessions.resume();
             self.publish_status();
             self.start_queued_strike();
-            // Lets the connections write and read between two messages.
-            tokio::task::yield_now().await;
         }
     }
 

@@ -56,9 +56,6 @@ use recorder::Recorder;
 
 /// Delay before accepting again after an error, e.g. when file handles have run out.
 const ACCEPT_RETRY_DELAY: Duration = Duration::from_millis(20);
-/// Number of steps of tasks between two looks at the sockets: a client that asks seldom waits no
-/// longer among busy ones. The default, 61, is thirty messages.
-const EVENT_INTERVAL: u32 = 7;
 /// Time limit for writing the answers that are pending at shutdown.
 const SHUTDOWN_GRACE: Duration = Duration::from_secs(1);
 
@@ -90,8 +87,7 @@ pub fn serve(
     shutdown: impl Future<Output = ()>,
 ) -> Result<(), ServeError> {
     let start = |reason| ServeError::Start { reason };
-    let mut runtime = tokio::runtime::Builder::new_current_thread();
-    let runtime = runtime.enable_all().event_interval(EVENT_INTERVAL).build();
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     runtime.map_err(start)?.block_on(async {
         let vxi11_port = sockets.vxi11.as_ref().map(TcpListener::local_addr).transpose();
         let port = vxi11_port.map_err(start)?.map_or(0, |address| address.port());
