@@ -506,7 +506,7 @@ struct Asynchronous<'a> {
     releasing: Option<Waiting<'a, ()>>,
 }
 
-impl<'a> Asynchronous<'a> {
+impl Asynchronous<'_> {
     async fn run(mut self, mut notices: mpsc::Receiver<u32>) -> io::Result<()> {
         let mut status = self.network.status();
         let mut state = self.state.subscribe();

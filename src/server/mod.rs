@@ -27,13 +27,16 @@ mod vxi11;
 mod wire;
 mod writer;
 
-pub use connection::{Connections, Protocol};
 pub use error::ServeError;
-pub use locks::{Grant, LockTable};
-pub use network::{Answer, Inbox, Interrupts, Network, Request};
 pub use options::ServerOptions;
 pub use places::{MAX_CONNECTIONS, MAX_CONNECTIONS_OF_PEER};
 pub use vxi11::{MAX_LINKS, MAX_LINKS_OF_CONNECTION};
+
+#[doc(hidden)]
+pub use connection::{Connections, Protocol};
+#[doc(hidden)]
+pub use network::{Answer, Inbox, Interrupts, Request};
+#[doc(hidden)]
 pub use wire::Stream;
 
 use std::future::{Future, poll_fn};

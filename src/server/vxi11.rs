@@ -186,7 +186,7 @@ async fn receive_more(wire: &mut Wire, records: &mut RecordDecoder, seat: &Seat)
     Err(io::ErrorKind::InvalidData.into())
 }
 
-impl<'a> Channel<'a> {
+impl Channel<'_> {
     /// Executes a call; returns its reply, or an error where the record is no call.
     async fn execute(&mut self, message: &[u8], peer: &str) -> io::Result<Vec<u8>> {
         let call = match Call::parse(message) {
@@ -248,7 +248,7 @@ impl<'a> Channel<'a> {
             _ => {}
         }
         let began = Instant::now();
-        let Some(link) = self.own.get_mut(&number) else {
+        let Some(link) = self.own.get(&number) else {
             return Ok(procedure.failure(ErrorCode::InvalidLink));
         };
         let needs_lock = !matches!(
@@ -258,36 +258,48 @@ impl<'a> Channel<'a> {
                 | Procedure::DoCommand
                 | Procedure::WriteTooMuch
         );
-        let abort = Arc::clone(&link.number.abort);
-        let locks = &self.network.locks;
         if needs_lock {
-            let free = timeout(timeouts.lock, locks.may_act(link.session.number()));
+            let abort = Arc::clone(&link.number.abort);
+            let may_act = self.network.locks.may_act(link.session.number());
             let code = tokio::select! {
                 biased;
-                free = free => free.err().map(|_| ErrorCode::Locked),
+                free = timeout(timeouts.lock, may_act) => free.err().map(|_| ErrorCode::Locked),
                 () = abort.notified() => Some(ErrorCode::Abort),
             };
             if let Some(code) = code {
                 return Ok(procedure.failure(code));
             }
         }
-        let status = self.network.status();
+        self.act(number, procedure, began + timeouts.io).await
+    }
+
+    /// The results of a call to a link that may act; a read waits until `end`.
+    async fn act(
+        &mut self,
+        number: u32,
+        procedure: Procedure<'_>,
+        end: Instant,
+    ) -> io::Result<Vec<u8>> {
+        let (status, locks) = (self.network.status(), &self.network.locks);
+        let Some(link) = self.own.get_mut(&number) else {
+            return Ok(procedure.failure(ErrorCode::InvalidLink));
+        };
         let results = match procedure {
-            Procedure::Write { data, end } => {
+            Procedure::Write { data, end: ends } => {
                 // A message that comes before the reply to the one before was read: that reply is
                 // lost.
-                let begins = !std::mem::replace(&mut link.within_message, !end);
+                let begins = !std::mem::replace(&mut link.within_message, !ends);
                 let interrupts = match (begins, link.reply.is_empty()) {
                     (false, _) => Interrupts::Never,
                     (true, true) => Interrupts::IfOwed,
                     (true, false) => Interrupts::Always,
                 };
-                link.session.send(data.to_vec(), end, interrupts);
+                link.session.send(data.to_vec(), ends, interrupts);
                 link.complete().await?;
                 words(&[0, u32::try_from(data.len()).unwrap_or(0)])
             }
             Procedure::Read { count, terminator } => {
-                let code = link.wait_for_reply(began + timeouts.io).await?;
+                let code = link.wait_for_reply(end).await?;
                 match code {
                     Some(code) => procedure.failure(code),
                     None => link.read(count, terminator),
