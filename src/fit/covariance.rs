@@ -1,9 +1,10 @@
-//! Covariance of fitted parameters where rounding errors go together.
+//! Covariance of fitted parameters where errors of samples go together.
 //!
-//! The fit weighs samples as if their errors were white; they are not on quiet scopes. With
+//! The fit weighs samples as if their errors were white; they are not on quiet scopes, and where
+//! drift, hum or 1/f noise were predicted from the samples before the pulse. With
 //! residuals' derivatives `J`, `G = (J^T J)^-1` and the errors' own covariance `W`:
 //! `C = G J^T W J G`. `W` is white, scaled by the residual variance, but for the harmonics of
-//! [`crate::analysis::rounding`]. Source: the sandwich formula, e.g. W. H. Greene, "Econometric
+//! [`crate::analysis::rounding`] and the modes of [`crate::analysis::disturbance`]. Source: the sandwich formula, e.g. W. H. Greene, "Econometric
 //! Analysis", 8th ed. (2018), Eq. 9-8.
 
 use super::records::{ChannelRecord, Records};
@@ -36,6 +37,13 @@ pub fn of(
         let together = record.rounding.common() / (record.sigma * record.sigma);
         let white = minimum.variance() * (1.0 - together).max(0.0);
         (first..first + count).for_each(|index| add(&row(index), white));
+        for mode in &record.modes {
+            let of = |column: &Vec<f64>| -> f64 {
+                column.iter().skip(first).zip(mode).map(|(derivative, m)| derivative * m).sum()
+            };
+            let part: Vec<f64> = minimum.columns.iter().map(of).collect();
+            add(&part, 1.0 / (record.sigma * record.sigma));
+        }
         for (harmonic, variance) in record.rounding.harmonics() {
             for part in along(minimum, record, (first, shown), harmonic) {
                 add(&part, variance / (record.sigma * record.sigma));

@@ -48,6 +48,8 @@ pub struct ChannelRecord {
     pub rounding: Rounding,
     /// Samples that they were found from.
     pub quiet_samples: usize,
+    /// Modes of the error of what disturbs the record, which was taken off its samples (V).
+    pub modes: Vec<Vec<f64>>,
     /// Relative standard uncertainty of the channel's gain: 0 for an exact one, infinite where
     /// nothing is known (1).
     pub gain_u: f64,
@@ -202,11 +204,19 @@ fn record(
     let waveform = &capture.waveform;
     let name = waveform.source.to_string();
     let level = waveform.preamble.y_mult.abs();
-    let all: Vec<f64> = waveform.codes.iter().map(|code| waveform.volts_of(*code)).collect();
+    let mut all: Vec<f64> = waveform.codes.iter().map(|code| waveform.volts_of(*code)).collect();
+    let mut modes = Vec::new();
     let conditions = Conditions { level, ..Conditions::default() };
     let found = capture.trace().map(|trace| Pulse::find(&trace, conditions));
     let (baseline, sigma, rounding, quiet_samples) = if let Some(Ok(pulse)) = found {
-        let Baseline { level, rms, rounding, samples, .. } = pulse.baseline;
+        let zeros = pulse.baseline.zeros(all.len());
+        let Baseline { level, rms, rounding, samples, disturbance, .. } = pulse.baseline;
+        if let Some(disturbance) = &disturbance {
+            // The offset is a parameter; what varies is taken off.
+            all.iter_mut().zip(&zeros).for_each(|(v, zero)| *v -= zero - level);
+            modes = disturbance.modes();
+            notes.extend(disturbance.note().map(|note| format!("{name}: {note}")));
+        }
         (level, noise_of(rms, rounding.level), rounding, samples)
     } else {
         notes.push(format!(
@@ -237,6 +247,7 @@ fn record(
         mapped_by: wire.by,
         channel: wire.simulated,
         vertical,
+        modes: modes.iter().map(|mode| mode[range.clone()].to_vec()).collect(),
         volts: all[range].to_vec(),
         baseline,
         sigma,

@@ -19,7 +19,7 @@ mod normalised;
 mod outputs;
 mod regression;
 
-pub use normalised::{InputMove, NormalisedError, judge, normalised_errors};
+pub use normalised::{InputMove, JointTest, NormalisedError, judge, normalised_errors};
 pub use outputs::{OutputInterval, TraceBand};
 pub use regression::InputShare;
 
