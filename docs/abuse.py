@@ -6,6 +6,7 @@
 HERTZSCOPE is the program, SECONDS how long the abuse goes on (default 30). Linux only: memory and descriptors are read from /proc.
 """
 
+import json
 import multiprocessing
 import os
 import random
@@ -32,34 +33,47 @@ def hislip(code, control, parameter, payload=b""):
     return b"HS" + struct.pack(">BBIQ", code, control, parameter, len(payload)) + payload
 
 
-def flood_set(raw, _):
+def call(stream, program, procedure, *arguments):
+    """An ONC RPC call: the words of its reply behind the header."""
+    message = struct.pack(">10I", 7, 0, 2, program, 2 if program == MAPPER else 1, procedure, 0, 0, 0, 0)
+    message += b"".join(word if isinstance(word, bytes) else struct.pack(">I", word) for word in arguments)
+    stream.sendall(struct.pack(">I", 0x8000_0000 | len(message)) + message)
+    reply = stream.recv(4096)
+    return struct.unpack(f">{(len(reply) - 28) // 4}I", reply[28:])
+
+
+CORE, MAPPER = 0x607AF, 100_000
+INSTRUMENT = struct.pack(">I", 5) + b"inst0\0\0\0"
+
+
+def flood_set(raw, *_):
     stream = dial(raw)
     while True:
         stream.sendall(b"SET?\n" * 50)
         stream.recv(1 << 16)
 
 
-def unread_curves(raw, _):
+def unread_curves(raw, *_):
     stream = dial(raw)
     while True:
         stream.sendall(b"CURVE?\n" * 50)
 
 
-def endless_line(raw, _):
+def endless_line(raw, *_):
     stream = dial(raw)
     while True:
         stream.sendall(b"x" * 4096)
         time.sleep(0.001)
 
 
-def come_and_go(raw, _):
+def come_and_go(raw, *_):
     while True:
         with dial(raw) as stream:
             stream.sendall(b"*IDN?\nCURVE #42500abc")
         time.sleep(0.001)
 
 
-def web_page(raw, _):
+def web_page(raw, *_):
     while True:
         with dial(raw) as stream:
             stream.sendall(b"POST / HTTP/1.1\r\n\r\n*RST\n")
@@ -67,13 +81,13 @@ def web_page(raw, _):
         time.sleep(0.001)
 
 
-def silence(raw, _):
+def silence(raw, *_):
     streams = [dial(raw) for _ in range(4)]
     time.sleep(1e6)
     return streams
 
 
-def turn_time_bases(raw, _):
+def turn_time_bases(raw, *_):
     stream = dial(raw)
     while True:
         scale = random.choice(["5E-9", "5E-8", "2.5E-4", "1", "50"])
@@ -81,7 +95,7 @@ def turn_time_bases(raw, _):
         time.sleep(0.005)
 
 
-def random_bytes(raw, _):
+def random_bytes(raw, *_):
     while True:
         with dial(raw) as stream:
             for _ in range(50):
@@ -89,7 +103,7 @@ def random_bytes(raw, _):
                 time.sleep(0.001)
 
 
-def half_hislip(_, port):
+def half_hislip(_, port, *__):
     while True:
         with dial(port) as stream:
             stream.sendall(hislip(0, 0, 0x0100_0000, b"hislip0"))
@@ -97,7 +111,7 @@ def half_hislip(_, port):
             time.sleep(0.05)
 
 
-def hislip_garbage(_, port):
+def hislip_garbage(_, port, *__):
     while True:
         with dial(port) as stream:
             for _ in range(50):
@@ -106,7 +120,54 @@ def hislip_garbage(_, port):
                 time.sleep(0.001)
 
 
-KINDS = [flood_set, unread_curves, endless_line, come_and_go, web_page, silence, turn_time_bases, random_bytes, half_hislip, hislip_garbage]
+def links(_, __, port, ___):
+    """As many links as a connection may have, and silence."""
+    while True:
+        streams = [dial(port) for _ in range(4)]
+        for stream in streams:
+            for _ in range(16):
+                call(stream, CORE, 10, 1, 0, 0, INSTRUMENT)
+        time.sleep(3)
+
+
+def silent_port_mapper(*ports):
+    while True:
+        streams = [dial(ports[3]) for _ in range(10)]
+        time.sleep(3)
+        del streams
+
+
+def newcomer(port, asks):
+    """Whether a new client is served, in at most ten tries a tenth of a second apart; a client whose address has all its connections waits for an idle one."""
+    for _ in range(10):
+        try:
+            with dial(port) as stream:
+                if asks(stream):
+                    return True
+        except (OSError, struct.error):
+            pass
+        time.sleep(0.1)
+    return False
+
+
+def identity(stream):
+    stream.sendall(b"*IDN?\n")
+    return stream.recv(200).endswith(b"\n")
+
+
+def session(stream):
+    stream.sendall(hislip(0, 0, 0x0100_0000, b"hislip0"))
+    return stream.recv(16)[2:3] == bytes([1])
+
+
+def newcomers(ports, count):
+    """How many newcomers over each protocol are served."""
+    asks = [identity, session, lambda s: call(s, CORE, 10, 1, 0, 0, INSTRUMENT)[0] == 0, lambda s: call(s, MAPPER, 3, CORE, 1, 6, 0)[0] == ports[2]]
+    served = [sum(newcomer(port, ask) for _ in range(count)) for port, ask in zip(ports, asks)]
+    return ", ".join(f"{name} {number} of {count}" for name, number in zip(["raw", "HiSLIP", "VXI-11", "port mapper"], served))
+
+
+KINDS = [flood_set, unread_curves, endless_line, come_and_go, web_page, silence, turn_time_bases, random_bytes, half_hislip, hislip_garbage, links, silent_port_mapper]
 
 
 def abuser(kind, ports):
@@ -172,28 +233,26 @@ def resources(process):
 def main():
     program, seconds = sys.argv[1], float(sys.argv[2]) if len(sys.argv) > 2 else 30.0
     limit = lambda: resource.setrlimit(resource.RLIMIT_AS, (ADDRESS_SPACE, ADDRESS_SPACE))
-    server = subprocess.Popen(
-        [program, "serve", "--listen", "127.0.0.1:0", "--hislip", "0"], stdout=subprocess.PIPE, text=True, preexec_fn=limit
-    )
-    raw, port = (int(re.search(r":(\d+)$", server.stdout.readline()).group(1)) for _ in range(2))
+    arguments = ["--listen", "127.0.0.1:0", "--hislip", "0", "--vxi11", "0", "--port-mapper", "0", "--json"]
+    server = subprocess.Popen([program, "serve", *arguments], stdout=subprocess.PIPE, text=True, preexec_fn=limit)
+    told = json.loads(server.stdout.readline())
+    ports = [int(told[name].rsplit(":", 1)[1]) for name in ("listening", "hislip", "vxi11", "port_mapper")]
+    raw = ports[0]
     rows, states = [], []
     states.append(f"| at the start | {resources(server)} |")
     rows.append(f"| alone | {spread(latencies(raw, 5))} |")
     rows.append(f"| an impact under way, at 50 ns/div | {spread(latencies(raw, 5, b'HOR:SCA 5E-8;:BENC:IMP' + bytes([10])))} |")
     idle = [dial(raw) for _ in range(300)]
     time.sleep(1.5)
-    newcomers = 0
-    for _ in range(20):
-        with dial(raw) as stream:
-            stream.sendall(b"*IDN?\n")
-            newcomers += stream.recv(200).endswith(b"\n")
+    after_silence = newcomers(ports, 20)
     states.append(f"| 300 silent connections were opened | {resources(server)} |")
     for stream in idle:
         stream.close()
-    workers = [multiprocessing.Process(target=abuser, args=(KINDS[n % len(KINDS)], (raw, port)), daemon=True) for n in range(20)]
+    workers = [multiprocessing.Process(target=abuser, args=(KINDS[n % len(KINDS)], ports), daemon=True) for n in range(20)]
     for worker in workers:
         worker.start()
     rows.append(f"| twenty abusers beside it | {spread(latencies(raw, seconds))} |")
+    among_abusers = newcomers(ports, 20)
     rows.append(f"| twenty abusers beside {TURNS} turns, recalls and resets during impacts | {spread(turns(raw))} |")
     states.append(f"| twenty abusers for {seconds:.0f} s | {resources(server)} |")
     for worker in workers:
@@ -206,8 +265,8 @@ def main():
     kinds = ", ".join(kind.__name__.replace("_", " ") for kind in KINDS)
     PAGE.write_text(f"""# The server among abusers
 
-Made by `docs/abuse.py`, which starts `hertzscope serve` and twenty processes that abuse it, two of each kind: {kinds}. The machine had
-{os.cpu_count()} processors, shared by all of them. `tests/it/server/random_sessions.rs` and `abuse.rs` hold the same in the suite.
+Made by `docs/abuse.py`, which starts `hertzscope serve` and twenty processes that abuse it, of these kinds: {kinds}. The machine had
+{os.cpu_count()} processors, shared by all of them. `tests/it/server/random_sessions.rs`, `abuse.rs` and `connections.rs` hold the same in the suite.
 
 Time from `*IDN?` to its answer, of a server with 4 GB of address space:
 
@@ -222,7 +281,7 @@ What the server holds:
 {chr(10).join(states)}
 
 At most 128 connections are open at a time, of all protocols, 96 of them of one address. A further one takes the place of the one that has been idle for longest, at least a
-second; after 300 silent ones {newcomers} of 20 newcomers were answered. A peer that is gone without a word loses its connection within two minutes
+second. Newcomers of the same address that were served within a second: after 300 silent connections {after_silence}; among the twenty abusers {among_abusers}. A peer that is gone without a word loses its connection within two minutes
 (keep-alive), a HiSLIP connection that does not become a session within ten seconds, and a client that does not read its replies within ten. A connection whose first
 line is an HTTP request is closed before a command is read. The server ended with exit code {code}.
 """)

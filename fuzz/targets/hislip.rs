@@ -6,37 +6,37 @@
 
 #![cfg_attr(not(test), no_main)]
 
-use hertzscope::hislip::Server;
-use hertzscope::hislip::message::MessageHeader;
+use hertzscope::hislip::MessageHeader;
+use hertzscope::server::Protocol;
 
 #[cfg(not(test))]
 #[path = "../desk.rs"]
 mod desk;
+#[cfg(not(test))]
+#[allow(dead_code, reason = "the tests use more of it")]
+#[path = "../network.rs"]
+mod network;
 #[cfg(test)]
-use super::desk;
+use super::{desk, network};
 use desk::Desk;
+use network::Network;
 
 /// One input.
 pub fn run(input: &[u8]) {
-    let mut desk = Desk::default();
-    let mut server = Server::default();
+    let mut network = Network::<Desk>::new(0);
     let mut now = 0.0;
-    let mut open = [false; 5];
+    let mut slots = [None; 5];
     let mut rest = input;
     while let [what, length, tail @ ..] = rest {
         let (bytes, tail) = tail.split_at(usize::from(*length).min(tail.len()));
         rest = tail;
         let slot = usize::from(what % 5);
-        let number = slot as u64;
-        if !open[slot] {
-            server.opened(number);
-            open[slot] = true;
-        }
+        let at = *slots[slot].get_or_insert_with(|| network.connect(Protocol::Hislip));
         match what / 5 % 4 {
-            0 => server.received(number, bytes, &mut desk),
+            0 => network.send(at, bytes),
             1 => {
-                server.closed(number, &mut desk);
-                open[slot] = false;
+                network.close(at);
+                slots[slot] = None;
             }
             // A sound header: kind, control code and parameter from the bytes, the others are the
             // payload.
@@ -47,26 +47,24 @@ pub fn run(input: &[u8]) {
                 let header = MessageHeader { code: *code, control: *control, parameter, length };
                 let mut message = header.bytes().to_vec();
                 message.extend_from_slice(payload);
-                server.received(number, &message, &mut desk);
+                network.send(at, &message);
             }
         }
         now += 0.01;
-        for (session, reply) in desk.resume(now) {
-            server.reply(session, &reply);
-        }
-        server.advance(now, &mut desk);
-        for output in server.take_output() {
-            assert!(output.bytes.is_empty() || output.bytes.starts_with(b"HS"));
-            let slot = usize::try_from(output.connection).expect("a slot");
-            if output.close {
-                open[slot] = false;
+        network.wait_until(now);
+        network.device().resume(now);
+        network.settle();
+        for slot in &mut slots {
+            let Some(at) = *slot else { continue };
+            let received = network.received(at);
+            assert!(received.is_empty() || received.starts_with(b"HS"));
+            if network.is_closed(at) {
+                *slot = None;
             }
         }
     }
-    for slot in 0..5 {
-        server.closed(slot, &mut desk);
-    }
-    assert!(desk.sessions() == 0, "every session ends with its connections");
+    slots.into_iter().flatten().for_each(|at| network.close(at));
+    assert!(network.device().sessions() == 0, "every session ends with its connections");
 }
 
 #[cfg(not(test))]

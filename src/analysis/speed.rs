@@ -1,13 +1,9 @@
-//! How fast a pulse travels from sensor to sensor, and how it fades.
+//! How fast a pulse travels from sensor to sensor.
 //!
 //! Speed `v = d/(t2 - t1)`, `(u_v/v)^2 = (u_d/d)^2 + (u_1^2 + u_2^2)/(t2 - t1)^2`: distance and
-//! arrivals independent of each other. Decay: `A(x) = A0 exp(-g x)`, `g` from a straight line
-//! through `ln A`, each weighted with `(A/u_A)^2`. Propagation: JCGM 100:2008, Eq. (10); line: W.
-//! H. Press et al., Numerical Recipes (2007), Eq. (15.2.6). Valid for uncertainties far below the
-//! values; amplitudes of one line must come from hosts of one kind, since a plate in a steel
-//! cylinder feels 0.69 of what one in a PTFE sphere feels of the same pulse.
+//! arrivals independent of each other. Propagation: JCGM 100:2008, Eq. (10). Valid for
+//! uncertainties far below the values.
 
-use crate::numeric::statistics::StraightLine;
 use crate::quantity::Uncertain;
 
 /// Speed over `distance` (m) between two arrivals (s), in m/s; none where the second is not later
@@ -24,20 +20,4 @@ pub fn speed_over(distance: Uncertain, time: Uncertain) -> Option<Uncertain> {
     let relative = (distance.u / distance.value).hypot(time.u / time.value);
     let found = Uncertain::normal(value, (value * relative).abs());
     (found.value.is_finite() && found.u.is_finite()).then_some(found)
-}
-
-/// Decay constant `g` of amplitudes at their positions (m), in 1/m, positive where they fall; none
-/// for fewer than two positions or amplitudes that are not positive.
-pub fn decay(amplitudes: &[(f64, Uncertain)]) -> Option<Uncertain> {
-    if amplitudes.iter().any(|(_, amplitude)| amplitude.value <= 0.0) {
-        return None;
-    }
-    let certain = amplitudes.iter().any(|(_, a)| a.u <= 0.0);
-    let weight = |a: &Uncertain| if certain { 1.0 } else { (a.value / a.u).powi(2) };
-    let points: Vec<(f64, f64, f64)> =
-        amplitudes.iter().map(|(x, a)| (*x, a.value.ln(), weight(a))).collect();
-    let line = StraightLine::through(&points)?;
-    let standard_uncertainty = if certain { 0.0 } else { 1.0 / line.spread.sqrt() };
-    let found = Uncertain::normal(-line.slope, standard_uncertainty);
-    found.value.is_finite().then_some(found)
 }

@@ -15,15 +15,20 @@
 pub mod blind;
 pub mod design;
 mod disturbances;
+#[doc(hidden)]
 pub mod equation;
 pub mod error;
 mod files;
+#[doc(hidden)]
 pub mod impact;
+#[doc(hidden)]
 pub mod monte_carlo;
 pub mod plan_run;
+#[doc(hidden)]
 pub mod record;
 pub mod report;
 pub mod result;
+#[doc(hidden)]
 pub mod simulation;
 mod tail;
 

@@ -16,9 +16,9 @@ use crate::quantity::Uncertain;
 use crate::recording::format::open_with;
 use crate::recording::tek_csv::TableColumns;
 use crate::recording::{Capture, TraceSet};
-use crate::scene::plan::{CalibrationPlan, INPUT, PlanError, PlannedImpact, SpeedMethod};
+use crate::scene::plan::{CalibrationPlan, INPUT, PlannedImpact, SpeedMethod};
 use crate::scene::problem::Problem;
-use crate::scene::{Scene, hexadecimal};
+use crate::scene::{Scene, SceneError, hexadecimal};
 use crate::scope::Coupling;
 use crate::scope::front_end::ac_time_constant;
 
@@ -30,7 +30,7 @@ const BENCH: &str = "momentum-test";
 pub enum PlanRunError {
     /// The plan, or a recording that it names.
     #[error(transparent)]
-    Plan(#[from] PlanError),
+    Plan(#[from] SceneError),
     /// Too little could be used.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
@@ -62,7 +62,7 @@ pub fn run(
     }
     problems.extend(another_load(plan, &evidence));
     if !problems.is_empty() {
-        return Err(PlanError::Problems(problems).into());
+        return Err(SceneError::InFile { what: "the plan", problems }.into());
     }
     let draws = Draws { seed: plan.seed, count: usize::try_from(plan.draws).unwrap_or(0) };
     let mut found = calibrate(&strikes, &common(plan), draws)?;

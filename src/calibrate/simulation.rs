@@ -15,6 +15,7 @@ use super::result::{Calibration, PlannedStrike};
 use super::{Draws, calibrate};
 use crate::experiment::{Integration, RunError, run};
 use crate::recording::{Capture, InstrumentIdentity, TrueSignal};
+use crate::scene::document::quoted;
 use crate::scene::plan::lab::LabStriker;
 use crate::scene::{Scene, SceneError, require};
 use crate::scope::acquire::{before_trigger, digitise, find_trigger};
@@ -86,7 +87,9 @@ pub fn bench(sensor: &str, scope: &str) -> Result<Scene, SceneError> {
     require("sensors", sensor)?;
     require("", scope)?;
     let text = format!(
-        "base = \"{SCENE}\"\n[sensors.item]\nmodel = {sensor:?}\n[scope]\nmodel = {scope:?}\n"
+        "base = \"{SCENE}\"\n[sensors.item]\nmodel = {}\n[scope]\nmodel = {}\n",
+        quoted(sensor),
+        quoted(scope)
     );
     Scene::from_text(SCENE, "momentum test", &text)
 }
@@ -101,10 +104,10 @@ pub fn strike(striker: &LabStriker, speed: f64, gravity: f64) -> Result<ImpactTr
     let mut duration = 200e-6;
     loop {
         let text = format!(
-            "base = \"{SCENE}\"\nduration = \"{duration} s\"\n[striker]\nmaterial = {:?}\ndiameter = \"{} m\"\n\
+            "base = \"{SCENE}\"\nduration = \"{duration} s\"\n[striker]\nmaterial = {}\ndiameter = \"{} m\"\n\
              mass = \"{} kg\"\nspeed = \"{speed} m/s\"\n[scope]\ntime_base = \"{FORCE_TIME_BASE}\"\nposition = \"0 s\"\n\
              [effects.gravity]\nacceleration = \"{gravity} m/s^2\"\n[chain]\nbottom = {{ force = \"{} N\" }}\n",
-            striker.material,
+            quoted(&striker.material),
             striker.diameter,
             striker.mass.value,
             ANVIL_MASS * gravity

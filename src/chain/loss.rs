@@ -32,7 +32,7 @@ pub enum EndOfContact {
 
 impl EndOfContact {
     /// As written in scenes.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::ZeroOverlap => "zero_overlap",
             Self::ZeroForce => "zero_force",

@@ -1,5 +1,7 @@
 //! `hertzscope bands`: where a chain's band gap lies, and how it moves with the preload.
 
+use std::path::PathBuf;
+
 use anyhow::bail;
 use clap::Args;
 
@@ -19,7 +21,7 @@ const POINTS: u32 = 13;
 pub struct Arguments {
     /// An included scene, or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
-    scene: String,
+    scene: PathBuf,
     /// A particle in the periodic part of the chain to use [default: the first sensor's, else 2]
     #[arg(long, value_name = "N")]
     particle: Option<usize>,

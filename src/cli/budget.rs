@@ -1,6 +1,8 @@
 //! `hertzscope budget`: which input of an uncertain scene carries how much of each prediction's
 //! uncertainty.
 
+use std::path::{Path, PathBuf};
+
 use clap::Args;
 
 use super::picture::PlotArguments;
@@ -14,7 +16,7 @@ use crate::scene::adjust::Adjustable;
 pub struct Arguments {
     /// A scene with an `[uncertainty]` table: an included scene, or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
-    scene: String,
+    scene: PathBuf,
     #[command(flatten)]
     draws: DrawArguments,
     #[command(flatten)]
@@ -42,7 +44,7 @@ impl DrawArguments {
     /// The prediction of `scene` with its uncertainty.
     pub fn predict(
         self,
-        scene: &str,
+        scene: impl AsRef<Path>,
         bands: bool,
         quiet: bool,
     ) -> anyhow::Result<UncertainPrediction> {

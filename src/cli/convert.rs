@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, anyhow, bail};
+use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
 
 use super::input::{ReadingArguments, no_capture};
@@ -10,10 +10,9 @@ use super::overwrite::OverwriteArguments;
 use super::picture;
 use super::plain_table::{TableContent, plain_table};
 use crate::files;
-use crate::recording::format::{FORMATS, FileFormat, OpenError, Recording};
+use crate::recording::format::{FORMATS, FileFormat, Recording};
 use crate::recording::mcap::RecordingWriter;
-use crate::recording::tek_csv::TekCsvError;
-use crate::recording::{Capture, InstrumentIdentity, Shot, TraceSet};
+use crate::recording::{InstrumentIdentity, Shot, TraceSet};
 use crate::report;
 use crate::report::plot::Theme;
 use crate::scene::oscilloscope;
@@ -186,7 +185,7 @@ fn by_shots(
             return Ok(());
         }
         match (target, shot.captures.first()) {
-            (Target::File(format), Some(capture)) => save(&output, bytes(format, capture)?)?,
+            (Target::File(format), Some(capture)) => save(&output, (format.write)(capture)?)?,
             (Target::Screen(format), _) => {
                 save(&output, file(&draw(&saved(set, shot)?.screen), format))?;
             }
@@ -268,16 +267,6 @@ fn draw_screen(set: &TraceSet, shot: &Shot, file: &Path, theme: Theme) -> anyhow
     picture::save(file, &report::screen(shot, title), theme)
 }
 
-/// A capture as a file.
-fn bytes(format: &FileFormat, capture: &Capture) -> anyhow::Result<Vec<u8>> {
-    match (format.write)(capture) {
-        Err(error @ OpenError::TekCsv(TekCsvError::NoInstrument)) => {
-            Err(anyhow!("{error}; `--instrument MODEL` gives it one"))
-        }
-        other => Ok(other?),
-    }
-}
-
 /// A folder with one file for each channel of a shot, its set-up and its screen, numbered on from
 /// the folders that exist, as the scope does.
 fn folder(set: &TraceSet, shot: &Shot, parent: &Path) -> anyhow::Result<Vec<PathBuf>> {
@@ -304,7 +293,7 @@ fn contents(set: &TraceSet, shot: &Shot) -> anyhow::Result<Vec<(String, Vec<u8>)
         let format = FORMATS.iter().find(|format| format.is_in_folders);
         let Some(format) = format else { continue };
         let ending = format.ending.to_ascii_uppercase();
-        files.push((format!("{channel}.{ending}"), bytes(format, capture)?));
+        files.push((format!("{channel}.{ending}"), (format.write)(capture)?));
     }
     let saved = saved(set, shot)?;
     if let Some(set_up) = saved.set_up {

@@ -22,7 +22,7 @@ use crate::studies::cost::{CostStudy, TIMED_RUNS, study};
 pub struct Arguments {
     /// An included scene, or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
-    scene: String,
+    scene: PathBuf,
     /// Print as JSON
     #[arg(long)]
     json: bool,

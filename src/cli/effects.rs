@@ -1,6 +1,8 @@
 //! `hertzscope effects`: which effects are on, what each changes, its time, and whether the scene
 //! needs it.
 
+use std::path::PathBuf;
+
 use clap::Args;
 
 use super::accuracy::accuracy;
@@ -16,7 +18,7 @@ use crate::studies::effects::ledger;
 pub struct Arguments {
     /// An included scene, or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
-    scene: String,
+    scene: PathBuf,
     /// Accuracy of the runs that are compared, 1e-11 to 0.1 [default: the scene's, else 1e-6]
     #[arg(long, value_name = "X", value_parser = accuracy, allow_hyphen_values = true)]
     accuracy: Option<f64>,

@@ -19,7 +19,7 @@ use crate::fit::blind::blind;
 use crate::fit::{Fit, FitOptions, fit};
 use crate::measurement::compare::ComparedShot;
 use crate::measurement::compare::mapping::Assignment;
-use crate::quantity::{Dimension, parse_any};
+use crate::quantity::{Dimension, Quantity};
 use crate::report;
 use crate::report::page::{picture, text};
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
@@ -144,13 +144,14 @@ fn freed(
         let (path, start) = text.split_once('=').map_or((text, None), |(p, v)| (p.trim(), Some(v)));
         let mut found = scene.knobs(path)?;
         if let Some(start) = start {
-            let value = parse_any(start).with_context(|| format!("--free {text}"))?;
+            let start: Quantity = start.parse().with_context(|| format!("--free {text}"))?;
             for knob in &mut found {
-                let unit = parse_any(&format!("1 {}", knob.unit)).map(|(_, dimension)| dimension);
-                if unit != Ok(value.1) {
-                    bail!("--free {text}: found {}, expected a value in {}", value.1, knob.unit);
+                let unit = format!("1 {}", knob.unit).parse::<Quantity>().map(|one| one.dimension);
+                let found = start.dimension;
+                if unit != Ok(found) {
+                    bail!("--free {text}: found {found}, expected a value in {}", knob.unit);
                 }
-                knob.value = value.0;
+                knob.value = start.value;
             }
         }
         knobs.extend(found);

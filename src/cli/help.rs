@@ -4,7 +4,7 @@
 use anyhow::bail;
 use clap::Args;
 
-use crate::data;
+use crate::scene::help::annotated;
 
 /// Explain a command, or print a scene (`help scene`), a calibration plan (`help plan`), a
 /// laboratory (`help lab`) or a sweep (`help grid`) with every key, unit and default
@@ -21,7 +21,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let page = match arguments.topic.as_deref() {
         None => command.render_long_help().to_string(),
         Some(topic) => {
-            if let Some(page) = data::instrument("help", topic) {
+            if let Some(page) = annotated(topic) {
                 return super::print_toml(page.trim_end());
             }
             let Some(found) = command.find_subcommand_mut(topic) else {

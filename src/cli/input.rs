@@ -18,7 +18,7 @@ use crate::quantity::{Dimension, Uncertain, parse};
 use crate::recording::format::{Recording, open_shot};
 use crate::recording::tek_csv::TableColumns;
 use crate::recording::{Shot, TraceSet};
-use crate::scene::{Scene, plates};
+use crate::scene::{Scene, sensors};
 use crate::scope::Source;
 #[cfg(feature = "tui")]
 use crate::tui::model::BenchOption;
@@ -477,7 +477,7 @@ pub fn wire_all(
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
             bail!("found no channel {channel}, expected one of {}", names.join(", "));
         }
-        let Some(found) = plates::load(sensor)? else {
+        let Some(found) = sensors::load(sensor)? else {
             let names = data::instrument_names("sensors").join(", ");
             bail!(
                 "found no sensor `{sensor}`, expected one of {names}, or the path of a sensor's file"

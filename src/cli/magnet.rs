@@ -40,6 +40,13 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     arguments.plot.check()?;
     let magnet = magnets::load(&arguments.name)?;
     let temperature = arguments.temperature.unwrap_or(magnet.stated_temperature());
+    let limit = magnet.temperature_limit();
+    if temperature >= limit {
+        let magnet = &magnet.name;
+        bail!(
+            "--temperature: found {temperature:.1} K, expected less than {limit:.1} K: there {magnet} is no magnet any more"
+        );
+    }
     let (wanted, distances) = if let Some(distance) = arguments.distance {
         (None, vec![distance])
     } else {

@@ -32,7 +32,7 @@ const MAX_SHOTS: i64 = 100_000;
 pub struct Arguments {
     /// An included scene (`hertzscope scenes` lists them), or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
-    scene: String,
+    scene: PathBuf,
     /// Recording to write, replacing what is there
     /// [default: SCENE.mcap; if it exists, SCENE-2.mcap and so on]
     #[arg(short, long, value_name = "FILE")]

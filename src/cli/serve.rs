@@ -30,7 +30,7 @@ use crate::vxi11;
 pub struct Arguments {
     /// An included scene (`hertzscope scenes` lists them), or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
-    scene: String,
+    scene: PathBuf,
     /// Address and port to listen on; port 0: any free port
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1:5025")]
     listen: String,

@@ -1,5 +1,7 @@
 //! `hertzscope show`: a scene with everything it is based on.
 
+use std::path::PathBuf;
+
 use clap::Args;
 
 use crate::scene::Scene;
@@ -10,7 +12,7 @@ use crate::scene::Scene;
 pub struct Arguments {
     /// An included scene, or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
-    scene: String,
+    scene: PathBuf,
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {

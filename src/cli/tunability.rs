@@ -2,6 +2,7 @@
 //! striker.
 
 use std::ops::Bound;
+use std::path::PathBuf;
 use std::sync::Mutex;
 
 use anyhow::anyhow;
@@ -21,9 +22,9 @@ use crate::studies::tunability::{TunedNumber, tune};
 pub struct Arguments {
     /// An included scene, or the path of a scene file
     #[arg(default_value = "magnet-0.61g")]
-    scene: String,
-    /// Number of the scene to vary, by its path as in a sweep, e.g. `particles.ptfe_sphere.mass`; `*`
-    /// varies all that it names by one ratio [default: preload, masses, moduli, striker]
+    scene: PathBuf,
+    /// Number of the scene to vary, by its path as in a sweep, e.g. `particles.ptfe_sphere.mass`;
+    /// `*` varies all that it names by one ratio [default: preload, masses, moduli, striker]
     #[arg(long, value_name = "PATH", value_delimiter = ',')]
     vary: Vec<String>,
     /// Number of values of each parameter

@@ -21,7 +21,8 @@ use super::connection::invalid_reply;
 use super::record::displayed;
 use super::scope::{ClientError, ClientTiming, LineEvent, Scope, ScopeState, words};
 use crate::quantity::engineering;
-use crate::recording::mcap::{RecordingWriter, ShotNotes, WriteError};
+use crate::recording::RecordingError;
+use crate::recording::mcap::{RecordingWriter, ShotNotes};
 use crate::recording::set_file::SetFile;
 use crate::recording::{Capture, InstrumentIdentity, Origin, Shot, TraceSet};
 use crate::scope::Source;
@@ -296,12 +297,12 @@ fn settings(scope: &mut Scope) -> io::Result<(Option<String>, String, SetFile)> 
 /// number.
 ///
 /// # Errors
-/// [`WriteError`] if the file cannot be written.
+/// [`RecordingError`] if the file cannot be written.
 pub fn create_recording(
     file: &Path,
     address: &Address,
     instrument: &InstrumentIdentity,
-) -> Result<RecordingWriter, WriteError> {
+) -> Result<RecordingWriter, RecordingError> {
     RecordingWriter::create_live(file, &facts(address, instrument), &[])
 }
 

@@ -7,22 +7,29 @@
 
 pub mod accuracy;
 pub(crate) mod acquisition;
+#[doc(hidden)]
 pub mod auto_effects;
+#[doc(hidden)]
 pub mod bench;
 pub mod ensemble;
 mod error;
+#[doc(hidden)]
 pub mod estimate;
 mod extremes;
 pub mod facts;
 mod frames;
 mod grid;
+#[doc(hidden)]
 pub mod horizon;
+#[doc(hidden)]
 pub mod inputs;
 pub(crate) mod method_choice;
 mod notes;
 pub mod outcome;
 pub mod paper_speeds;
+#[doc(hidden)]
 pub mod parallel;
+#[doc(hidden)]
 pub mod prediction;
 mod probe_record;
 pub mod pulse;

@@ -8,7 +8,7 @@ use crate::quantity::Dimension;
 use crate::scene::Scene;
 use crate::scene::document::Node;
 use crate::scene::problem::Problem;
-use crate::scene::reader::{Bound, Problems, TableReader};
+use crate::scene::table::{Key, Problems, TableReader, any, count, list_of, positive, table, text};
 
 /// One row of the paper's Tables 1 and 2: speed of the leading pulse from particle 14 to 27.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -23,6 +23,26 @@ pub struct PaperSpeed {
     /// Calculated, by an estimator that the paper does not name (m/s).
     pub numerics_m_per_s: f64,
 }
+
+table! {
+    /// The file.
+    struct FileKeys<'a> {
+        provenance: &'a Node = any(&[]),
+        speed: Vec<TableReader<'a>> = list_of(&[RowKeys::KEYS, NUMBER]),
+    }
+}
+
+table! {
+    /// One of `[[speed]]`, beside its table.
+    struct RowKeys<'a> {
+        scene: String = text().required(),
+        experiment: f64 = positive(Dimension::SPEED).required(),
+        numerics: f64 = positive(Dimension::SPEED).required(),
+    }
+}
+
+/// Which of the paper's tables a row is of.
+const NUMBER: &[Key] = &[count(1, 2).required().named("table", "")];
 
 /// The printed speed for `scene`, if it is one of the paper's, unchanged.
 pub fn speed_of(scene: &Scene) -> Option<PaperSpeed> {
@@ -41,22 +61,19 @@ pub fn speeds() -> Result<Vec<PaperSpeed>, Vec<Problem>> {
     let bytes = data::recording(FILE).unwrap_or_default();
     let root = Node::parse(FILE, &String::from_utf8_lossy(bytes))?;
     let problems = Problems::default();
-    let table = TableReader::of(&root, "", &problems);
-    let rows = table.map_or_else(Vec::new, |root| {
-        let _ = root.node("provenance");
-        let rows = root.list("speed").into_iter().filter_map(|row| speed(&row)).collect();
-        root.finish();
-        rows
+    let rows = TableReader::of(&root, "", &[FileKeys::KEYS], &problems).map(|table| {
+        let rows = FileKeys::read(&table).speed.unwrap_or_default();
+        rows.iter().filter_map(speed).collect()
     });
-    let problems = problems.into_sorted();
-    if problems.is_empty() { Ok(rows) } else { Err(problems) }
+    problems.finish(rows)
 }
 
 fn speed(row: &TableReader<'_>) -> Option<PaperSpeed> {
+    let keys = RowKeys::read(row);
     Some(PaperSpeed {
-        scene: row.required_text("scene", "a scene's name")?.to_owned(),
-        table: row.count("table", 1, 2)?,
-        experiment_m_per_s: row.required("experiment", Dimension::SPEED, Bound::Positive)?,
-        numerics_m_per_s: row.required("numerics", Dimension::SPEED, Bound::Positive)?,
+        scene: keys.scene?,
+        table: row.get(NUMBER.first()?)?,
+        experiment_m_per_s: keys.experiment?,
+        numerics_m_per_s: keys.numerics?,
     })
 }

@@ -288,10 +288,3 @@ fn notes(
     }
     notes
 }
-
-impl FitReport {
-    /// The trigger's time after the striker's first contact, seconds.
-    pub fn trigger(&self) -> Option<Uncertain> {
-        self.nuisances.first().map(|nuisance| nuisance.found)
-    }
-}

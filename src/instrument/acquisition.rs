@@ -110,7 +110,7 @@ impl Acquisition {
         self.in_flight = None;
     }
 
-    /// Begins anew with other settings, if running; the count begins anew in any case.
+    /// Restarts with other settings, if running; the count restarts in any case.
     pub fn restart(&mut self) {
         self.count = 0;
         if self.running {
@@ -173,8 +173,8 @@ impl Acquisition {
         }
     }
 
-    /// When a trigger is welcome: the part of the record before it is full, and the holdoff is over
-    /// (s).
+    /// Earliest time of a trigger: the part of the record before it is full, and the holdoff has
+    /// ended (s).
     fn ready_at(&self, panel: &Panel, setup: &Setup) -> f64 {
         let full = self.armed_at + before_trigger(setup);
         let held_off = self.triggered_at.map_or(full, |at| at + panel.trigger.holdoff);

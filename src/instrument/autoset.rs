@@ -97,7 +97,7 @@ impl Instrument {
         }
         match source.channel() {
             Some(channel) => self.centre_trigger_on(channel),
-            // Nothing on the screen tells what is at the external input.
+            // The external input is not on the screen.
             None => self.panel.trigger.level = 0.0,
         }
         Ok(())

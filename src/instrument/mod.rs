@@ -27,7 +27,7 @@ pub use event::Event;
 pub use fault::{Fault, Faults};
 pub use record::{Preparation, Prepared, Signals, TriggerInstant};
 pub use service::{AutosetSignal, Service};
-pub use status::Status;
+pub use status::{Status, StatusSummary};
 
 use std::collections::BTreeMap;
 
@@ -138,7 +138,7 @@ impl Instrument {
         &self.panel
     }
 
-    /// The sample grid on which signals are welcome with the present settings.
+    /// The sample grid that signals must have with the present settings.
     pub fn sample_window(&self) -> SampleWindow {
         SampleWindow::of(&self.setup)
     }
@@ -275,7 +275,7 @@ impl Instrument {
     }
 
     /// Applies a changed front panel: settings are brought within their limits, and an acquisition
-    /// whose records so far no longer fit begins anew.
+    /// whose records so far no longer fit is restarted.
     pub fn apply_panel(&mut self) {
         if self.panel == self.applied {
             return;

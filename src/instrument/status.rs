@@ -124,16 +124,38 @@ impl Status {
         }
     }
 
-    /// The status byte of `*STB?`; `message_available` tells whether a reply waits.
+    /// The status byte of `*STB?`; `message_available`: a reply waits.
     pub fn byte(&self, message_available: bool) -> u8 {
+        self.summary().byte(message_available)
+    }
+
+    /// What the status byte is made of beside the replies.
+    pub fn summary(&self) -> StatusSummary {
+        let event = self.register & self.event_enable != 0;
+        StatusSummary { event, enabled: self.service_enable }
+    }
+}
+
+/// The part of the status byte that is the same for all clients.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct StatusSummary {
+    /// Whether an enabled event has come.
+    pub event: bool,
+    /// Parts of the status byte that ask for service (`*SRE`).
+    pub enabled: u8,
+}
+
+impl StatusSummary {
+    /// The status byte; `message_available`: a reply waits.
+    pub fn byte(self, message_available: bool) -> u8 {
         let mut byte = 0;
         if message_available {
             byte |= MESSAGE_AVAILABLE;
         }
-        if self.register & self.event_enable != 0 {
+        if self.event {
             byte |= EVENT_SUMMARY;
         }
-        if byte & self.service_enable != 0 {
+        if byte & self.enabled != 0 {
             byte |= MASTER_SUMMARY;
         }
         byte

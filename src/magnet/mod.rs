@@ -88,6 +88,18 @@ impl Magnet {
         }
     }
 
+    /// Lowest temperature at which a ring is no magnet: the Curie temperature of its material, or
+    /// the one at which its stated coefficient leaves no remanence; infinite for others (K).
+    pub fn temperature_limit(&self) -> f64 {
+        let ForceLaw::Ring(ring, _) = &self.law else { return f64::INFINITY };
+        if ring.temperature_coefficient < 0.0 {
+            let zero = ring.reference_temperature - 1.0 / ring.temperature_coefficient;
+            zero.min(ring.curie_temperature)
+        } else {
+            ring.curie_temperature
+        }
+    }
+
     /// Distances within the span at which the magnet attracts with `force` (N), the one nearest to
     /// the face first (m).
     pub fn distances(&self, force: f64, temperature: f64) -> Vec<f64> {

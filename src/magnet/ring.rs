@@ -38,6 +38,8 @@ pub struct RingMagnet {
     pub temperature_coefficient: f64,
     /// Temperature at which the remanence is stated (K).
     pub reference_temperature: f64,
+    /// Temperature at which its material is no magnet any more, infinite if that is not known (K).
+    pub curie_temperature: f64,
 }
 
 /// A soft ferromagnetic sphere.

@@ -133,9 +133,9 @@ mod tests {
         assert!((expanded_95(1.0, 3f64.sqrt()) - 1.65).abs() < 0.006);
     }
 
-    /// Against the closed forms for 1, 2 and 4 degrees (Shaw 2006), and between 9,999 degrees by the
-    /// distribution function and the series: the inverse that a library has went on for ever for
-    /// some, and with it `calibrate`.
+    /// Against the closed forms for 1, 2 and 4 degrees (Shaw 2006), and between 9,999 degrees by
+    /// the distribution function and the series: the inverse that a library has went on for ever
+    /// for some, and with it `calibrate`.
     #[test]
     fn coverage_factors_are_found_for_any_freedom() {
         let one = (0.475 * std::f64::consts::PI).tan();

@@ -1,8 +1,8 @@
 //! Physical quantities at the border: text with a unit in, plain SI `f64` inside.
 //!
-//! `scene` reads `"0.61 g"` through [`parse`], `report` and `tui` write
-//! numbers through [`engineering`]. Inside the program every `f64` is in SI units; nothing but this
-//! module knows that grams or microseconds exist.
+//! `scene` reads `"0.61 g"` through [`parse`], `report` and `tui` write numbers through
+//! [`engineering`]. Inside the program every `f64` is in SI units; only this module converts
+//! grams or microseconds.
 //!
 //! A [`Dimension`] is a vector of exponents over kilogram, metre, second, ampere, kelvin and the
 //! oscilloscope's division. Exponents are counted in halves, because a Hertz contact's stiffness
@@ -18,9 +18,11 @@ pub use error::QuantityError;
 pub use printable::{printable, printable_line};
 
 use std::fmt;
+use std::str::FromStr;
 
 use crate::numeric::intervals::expanded_95;
 use serde::ser::{Serialize, SerializeStruct, Serializer};
+use unit::Unit;
 
 /// A number with its standard uncertainty; JSON has `value`, `u`, and `U95`, the expanded
 /// uncertainty that is printed behind `±`.
@@ -70,12 +72,48 @@ impl Serialize for Uncertain {
     }
 }
 
-/// Reads `text`, a number followed by a unit, as a value of `dimension` in SI units.
+/// An absolute value read from text, whatever its dimension: `20 °C` is 293.15 K.
 ///
 /// The number may use `_` between digits; white space between number and unit is free. A unit is a
 /// product of symbols with optional SI prefix and exponent, joined by `*`, `·` or `/`:
-/// `kg`, `mm`, `m/s^2`, `N/m^1.5`, `pC/N`, `mV/div`. A dimensionless value needs no unit; `%` and
-/// `ppm` are understood.
+/// `kg`, `mm`, `m/s^2`, `N/m^1.5`, `pC/N`, `mV/div`, `%/°C`. A dimensionless value needs no unit;
+/// `%` and `ppm` are understood.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quantity {
+    /// Value in SI units (unit).
+    pub value: f64,
+    /// Dimension of the unit.
+    pub dimension: Dimension,
+}
+
+/// A difference of two values read from text: `5 °C` is 5 K, because the zero of the unit cancels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Difference {
+    /// Value in SI units (unit).
+    pub value: f64,
+    /// Dimension of the unit.
+    pub dimension: Dimension,
+}
+
+impl FromStr for Quantity {
+    type Err = QuantityError;
+
+    fn from_str(text: &str) -> Result<Self, QuantityError> {
+        let (value, dimension) = read(text, Unit::to_si)?;
+        Ok(Self { value, dimension })
+    }
+}
+
+impl FromStr for Difference {
+    type Err = QuantityError;
+
+    fn from_str(text: &str) -> Result<Self, QuantityError> {
+        let (value, dimension) = read(text, Unit::scaled)?;
+        Ok(Self { value, dimension })
+    }
+}
+
+/// Reads `text` as a value of `dimension` in SI units.
 ///
 /// ```
 /// use hertzscope::quantity::{parse, Dimension};
@@ -87,7 +125,17 @@ impl Serialize for Uncertain {
 /// [`QuantityError`] when there is no number, the number is not finite, a unit symbol is unknown,
 /// or the unit measures something other than `dimension`.
 pub fn parse(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
-    of_dimension(text, parse_any(text)?, dimension)
+    let Quantity { value, dimension: found } = text.parse()?;
+    of_dimension(text, (value, found), dimension)
+}
+
+/// Reads `text` as a difference of two values of `dimension` in SI units.
+///
+/// # Errors
+/// As [`parse`].
+pub fn parse_difference(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
+    let Difference { value, dimension: found } = text.parse()?;
+    of_dimension(text, (value, found), dimension)
 }
 
 /// The value that was read from `text`, if it has the wanted dimension.
@@ -103,46 +151,28 @@ fn of_dimension(
     }
 }
 
-/// Reads `text` as a quantity of whatever dimension its unit has; returns the SI value and that
-/// dimension.
-///
-/// # Errors
-/// As [`parse`], except for the dimension.
-pub fn parse_any(text: &str) -> Result<(f64, Dimension), QuantityError> {
-    let trimmed = text.trim();
-    let split = number_length(trimmed);
-    let (number, unit) = trimmed.split_at(split);
-    let digits = if number.contains('_') { &number.replace('_', "") } else { number };
-    let value: f64 =
-        digits.parse().map_err(|_| QuantityError::NoNumber { text: trimmed.to_owned() })?;
-    let unit = unit::parse(unit.trim())?;
-    let si = unit.to_si(value);
+/// Number and unit of `text`, both without white space around them.
+pub fn split(text: &str) -> (&str, &str) {
+    let text = text.trim();
+    let (number, unit) = text.split_at(number_length(text));
+    (number, unit.trim())
+}
+
+fn read(text: &str, to_si: fn(Unit, f64) -> f64) -> Result<(f64, Dimension), QuantityError> {
+    // Documents print U+2212 as the sign of negative numbers.
+    let plain = text.replace('\u{2212}', "-");
+    let (number, unit) = split(&plain);
+    let value: f64 = number
+        .replace('_', "")
+        .parse()
+        .map_err(|_| QuantityError::NoNumber { text: text.trim().to_owned() })?;
+    let unit = unit::parse(unit)?;
+    let si = to_si(unit, value);
     if si.is_finite() {
         Ok((si, unit.dimension))
     } else {
-        Err(QuantityError::NotFinite { text: trimmed.to_owned() })
+        Err(QuantityError::NotFinite { text: text.trim().to_owned() })
     }
-}
-
-/// Reads `text` as a difference of two quantities: a unit's zero does not count, `5 °C` is 5 K.
-///
-/// # Errors
-/// As [`parse`].
-pub fn parse_difference(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
-    of_dimension(text, parse_any_difference(text)?, dimension)
-}
-
-/// Reads `text` as a difference of whatever dimension its unit has; returns the SI value and that
-/// dimension.
-///
-/// # Errors
-/// As [`parse_any`].
-pub fn parse_any_difference(text: &str) -> Result<(f64, Dimension), QuantityError> {
-    let (value, dimension) = parse_any(text)?;
-    let trimmed = text.trim();
-    let (_, unit) = trimmed.split_at(number_length(trimmed));
-    let zero = unit::parse(unit.trim())?.to_si(0.0);
-    Ok((if zero == 0.0 { value } else { value - zero }, dimension))
 }
 
 /// Length of the longest prefix that reads as a decimal number; `nan` and `inf` count, so that they
@@ -257,6 +287,7 @@ impl fmt::Display for Dimension {
 
 #[cfg(test)]
 mod tests {
+    use super::dimension::whole;
     use super::*;
 
     #[test]
@@ -280,12 +311,61 @@ mod tests {
             ("10 kΩ", Dimension::RESISTANCE, 1e4),
             ("20 pF", Dimension::CAPACITANCE, 20e-12),
             ("1 min", Dimension::TIME, 60.0),
+            // U+2126 OHM SIGN, as character maps and PDF files have it, and U+2212 MINUS SIGN.
+            ("10 k\u{2126}", Dimension::RESISTANCE, 1e4),
+            ("\u{2212}4 div", Dimension::DIVISION, -4.0),
+            ("1e\u{2212}3 V", Dimension::VOLTAGE, 1e-3),
+            // Temperature coefficients as data sheets print them.
+            ("-0.12 %/°C", Dimension::PER_TEMPERATURE, -1.2e-3),
+            ("-0.12 %/degC", Dimension::PER_TEMPERATURE, -1.2e-3),
+            ("0.003 /K", Dimension::PER_TEMPERATURE, 3e-3),
+            ("0.003 / °C", Dimension::PER_TEMPERATURE, 3e-3),
+            ("30 ppm/K", Dimension::PER_TEMPERATURE, 3e-5),
+            ("2 mV/°C", whole([1, 2, -3, -1, -1, 0]), 2e-3),
         ] {
             let value = parse(text, dimension).expect(text);
             assert!(
                 (value - si).abs() <= 2.0 * f64::EPSILON * si.abs(),
                 "{text}: {value} is not {si}"
             );
+        }
+    }
+
+    /// Values of the SI brochure (BIPM, 9th edition, table 7).
+    #[test]
+    fn every_prefix_has_its_si_value() {
+        for (prefix, power) in [
+            ("f", "e-15"),
+            ("p", "e-12"),
+            ("n", "e-9"),
+            ("u", "e-6"),
+            ("\u{b5}", "e-6"),
+            ("\u{3bc}", "e-6"),
+            ("m", "e-3"),
+            ("c", "e-2"),
+            ("", "e0"),
+            ("k", "e3"),
+            ("M", "e6"),
+            ("G", "e9"),
+            ("T", "e12"),
+            ("P", "e15"),
+        ] {
+            let text = format!("3 {prefix}V");
+            let si: f64 = format!("3{power}").parse().expect("a number");
+            assert_eq!(parse(&text, Dimension::VOLTAGE), Ok(si), "{text}");
+        }
+        for unknown in ["3 dV", "3 KV", "3 xV"] {
+            assert!(parse(unknown, Dimension::VOLTAGE).is_err(), "{unknown}");
+        }
+    }
+
+    #[test]
+    fn what_engineering_notation_prints_can_be_read() {
+        for exponent in -15..18 {
+            let value = 1.234 * 10f64.powi(exponent);
+            let text = engineering(value, "V", 4);
+            let read = parse(&text, Dimension::VOLTAGE).expect(&text);
+            assert!((read / value - 1.0).abs() < 1e-12, "{text}: {read}");
         }
     }
 

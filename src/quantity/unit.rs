@@ -20,10 +20,16 @@ struct Scale {
 }
 
 impl Unit {
+    /// SI value of a number of this unit (unit).
     pub(super) fn to_si(self, number: f64) -> f64 {
+        self.scaled(number) + self.offset
+    }
+
+    /// SI value of a difference of this many units (unit).
+    pub(super) fn scaled(self, number: f64) -> f64 {
         let power = self.scale.power_of_ten;
         let scaled = if power >= 0.0 { number * ten_to(power) } else { number / ten_to(-power) };
-        scaled * self.scale.factor + self.offset
+        scaled * self.scale.factor
     }
 }
 
@@ -54,7 +60,7 @@ fn symbol_of(name: &str) -> Option<Symbol> {
         "J" => (0.0, 1.0, Dimension::ENERGY, true),
         "C" => (0.0, 1.0, Dimension::CHARGE, true),
         "V" => (0.0, 1.0, Dimension::VOLTAGE, true),
-        "Ohm" | "ohm" | "Ω" => (0.0, 1.0, Dimension::RESISTANCE, true),
+        "Ohm" | "ohm" | "\u{3a9}" | "\u{2126}" => (0.0, 1.0, Dimension::RESISTANCE, true),
         "F" => (0.0, 1.0, Dimension::CAPACITANCE, true),
         "T" => (0.0, 1.0, Dimension::MAGNETIC_FLUX_DENSITY, true),
         "div" => (0.0, 1.0, Dimension::DIVISION, false),
@@ -79,6 +85,7 @@ fn power_of(prefix: char) -> Option<f64> {
         'M' => 6.0,
         'G' => 9.0,
         'T' => 12.0,
+        'P' => 15.0,
         _ => return None,
     })
 }
@@ -98,8 +105,12 @@ pub(super) fn parse(text: &str) -> Result<Unit, QuantityError> {
     }
     let unknown = |symbol: &str| QuantityError::UnknownUnit { unit: symbol.trim().to_owned() };
     let mut unit = plain;
-    let mut rest = text;
     let mut sign = 1;
+    // `/K` is `1/K`.
+    let mut rest = text;
+    if let Some(divisor) = text.strip_prefix('/') {
+        (rest, sign) = (divisor.trim_start(), -1);
+    }
     loop {
         let end = rest.find(['*', '·', '/', ' ']).unwrap_or(rest.len());
         let (factor, tail) = rest.split_at(end);
@@ -143,8 +154,11 @@ fn split_exponent(factor: &str) -> Option<(&str, i16)> {
 }
 
 fn look_up(symbol: &str) -> Option<(f64, f64, Dimension)> {
-    if symbol == "1" {
-        return Some((0.0, 1.0, Dimension::NONE));
+    match symbol {
+        "1" => return Some((0.0, 1.0, Dimension::NONE)),
+        // Beside other units a degree is a difference: `%/°C`.
+        "°C" | "degC" => return Some((0.0, 1.0, Dimension::TEMPERATURE)),
+        _ => {}
     }
     if let Some((power, factor, dimension, _)) = symbol_of(symbol) {
         return Some((power, factor, dimension));

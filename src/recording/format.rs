@@ -3,11 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use super::isf::{self, IsfError};
-use super::mcap::{IndexedRecording, ReadError, ShotNotes, Traffic};
+use super::isf;
+use super::mcap::{IndexedRecording, ShotNotes, Traffic};
 use super::set_file::{self, SetFile};
-use super::tek_csv::{self, TableColumns, TekCsvError};
-use super::{Attachment, Capture, Origin, ScpiLine, Shot, TraceSet};
+use super::tek_csv::{self, TableColumns};
+use super::{Attachment, Capture, Origin, RecordingError, ScpiLine, Shot, TraceSet};
 use crate::scope::Source;
 
 /// A format of files with the captures of one trigger. To add one, write its module and its row in
@@ -25,11 +25,11 @@ pub struct FileFormat {
     max_bytes: u64,
     read: ReadFile,
     /// Writes one capture as a whole file.
-    pub write: fn(&Capture) -> Result<Vec<u8>, OpenError>,
+    pub write: fn(&Capture) -> Result<Vec<u8>, RecordingError>,
 }
 
 /// Reads the captures of a file from its bytes, its name, and what the user says of its columns.
-type ReadFile = fn(&[u8], &str, &TableColumns) -> Result<Vec<Capture>, OpenError>;
+type ReadFile = fn(&[u8], &str, &TableColumns) -> Result<Vec<Capture>, RecordingError>;
 
 /// The formats of files with captures.
 pub const FORMATS: [FileFormat; 2] = [
@@ -87,84 +87,6 @@ pub enum Format {
     Folder,
 }
 
-/// Why a file or folder could not be opened.
-#[derive(Debug, thiserror::Error)]
-pub enum OpenError {
-    /// Not a recording.
-    #[error(transparent)]
-    Mcap(#[from] ReadError),
-    /// Not a TDS2000 file.
-    #[error(transparent)]
-    TekCsv(#[from] TekCsvError),
-    /// Not an ISF file.
-    #[error(transparent)]
-    Isf(#[from] IsfError),
-    /// The file or folder could not be read.
-    #[error("{file}")]
-    File {
-        /// The file or folder.
-        file: PathBuf,
-        /// The system's error.
-        source: std::io::Error,
-    },
-    /// The file is larger than what is read.
-    #[error(
-        "{file}: {found} bytes are more than the {limit} that are read: cut the record, or save fewer points"
-    )]
-    TooLarge {
-        /// The file.
-        file: PathBuf,
-        /// Its size (bytes).
-        found: u64,
-        /// The largest size that is read (bytes).
-        limit: u64,
-    },
-    /// Nothing is there.
-    #[error(
-        "{file}: no such file or folder, expected a recording (.mcap), a scope's file (.csv, .isf), or a folder of them"
-    )]
-    Missing {
-        /// The path.
-        file: PathBuf,
-    },
-    /// The name tells no format.
-    #[error(
-        "{file}: found no known format, expected .mcap, .csv, .isf, or a folder of .csv files as the scope saves them"
-    )]
-    UnknownFormat {
-        /// The file.
-        file: PathBuf,
-    },
-    /// A folder without a single capture.
-    #[error(
-        "{file}: found no .csv or .isf file in this folder, expected at least one, e.g. F0000CH1.CSV, or folders ALLnnnn"
-    )]
-    EmptyFolder {
-        /// The folder.
-        file: PathBuf,
-    },
-    /// A large recording without the shot that is looked at.
-    #[error("{file}: found {shots} shots, expected one with number {number}")]
-    NoShot {
-        /// The file.
-        file: PathBuf,
-        /// How many it has.
-        shots: usize,
-        /// The number that was asked for.
-        number: u32,
-    },
-    /// Two captures of one folder claim the same channel.
-    #[error(
-        "{file}: found a second capture of {channel}, expected one file a channel: name a single file, or a folder with a single shot"
-    )]
-    SameChannel {
-        /// The file.
-        file: PathBuf,
-        /// The channel.
-        channel: String,
-    },
-}
-
 impl Format {
     /// The format that a path's ending or kind tells.
     pub fn of(path: &Path) -> Option<Self> {
@@ -179,13 +101,15 @@ impl Format {
 }
 
 /// The captures of files that other programs and instruments wrote.
-fn imported(path: &Path, columns: &TableColumns) -> Result<TraceSet, OpenError> {
+fn imported(path: &Path, columns: &TableColumns) -> Result<TraceSet, RecordingError> {
     match Format::of(path) {
         Some(Format::Folder) => folder(path, columns),
-        None if !path.exists() => Err(OpenError::Missing { file: path.to_owned() }),
-        None if !path.is_file() || FileFormat::of(path).is_none() => {
-            Err(OpenError::UnknownFormat { file: path.to_owned() })
+        None if !path.exists() => {
+            let expected = "a recording (.mcap), a scope's file (.csv, .isf), or a folder of them";
+            let problem = format!("no such file or folder, expected {expected}");
+            Err(RecordingError::new(path.display(), problem))
         }
+        None if !path.is_file() || FileFormat::of(path).is_none() => Err(unknown_format(path)),
         _ => {
             let mut set = TraceSet::default();
             add_shot(&mut set, &[path.to_owned()], "", columns)?;
@@ -217,8 +141,8 @@ impl Recording {
     /// tables are.
     ///
     /// # Errors
-    /// [`OpenError`] with the file and what is wrong with it.
-    pub fn open(path: &Path, columns: &TableColumns) -> Result<Self, OpenError> {
+    /// [`RecordingError`] with the file and what is wrong with it.
+    pub fn open(path: &Path, columns: &TableColumns) -> Result<Self, RecordingError> {
         if Format::of(path) != Some(Format::Mcap) {
             return Ok(imported(path, columns)?.into());
         }
@@ -263,8 +187,8 @@ impl Recording {
     /// Reads the shot at `place` of [`Self::index`] into the facts, in the place of the one before.
     ///
     /// # Errors
-    /// [`OpenError`] if the file cannot be read any more.
-    pub fn shot(&mut self, place: usize) -> Result<&mut TraceSet, OpenError> {
+    /// [`RecordingError`] if the file cannot be read any more.
+    pub fn shot(&mut self, place: usize) -> Result<&mut TraceSet, RecordingError> {
         for shot in self.set.shots.drain(..) {
             self.set.notes.remove(&shot.number);
         }
@@ -287,8 +211,8 @@ impl Recording {
     /// Messages of the remote interface from `from` to `to` (ns since 1970, both included).
     ///
     /// # Errors
-    /// [`OpenError`] if the file cannot be read any more.
-    pub fn lines(&mut self, from: u64, to: u64) -> Result<Vec<ScpiLine>, OpenError> {
+    /// [`RecordingError`] if the file cannot be read any more.
+    pub fn lines(&mut self, from: u64, to: u64) -> Result<Vec<ScpiLine>, RecordingError> {
         match &mut self.shots {
             ShotStore::Memory(_, lines) => {
                 let inside = lines.iter().filter(|line| (from..=to).contains(&line.timestamp_ns));
@@ -301,8 +225,8 @@ impl Recording {
     /// Reads everything into memory.
     ///
     /// # Errors
-    /// [`OpenError`] if the file cannot be read any more, or is too large.
-    pub fn into_set(self) -> Result<TraceSet, OpenError> {
+    /// [`RecordingError`] if the file cannot be read any more, or is too large.
+    pub fn into_set(self) -> Result<TraceSet, RecordingError> {
         let Self { mut set, shots, .. } = self;
         for shot in set.shots.drain(..) {
             set.notes.remove(&shot.number);
@@ -346,8 +270,8 @@ impl From<TraceSet> for Recording {
 /// Opens a recording, a scope's CSV or ISF file, or a folder of them, and reads all of it.
 ///
 /// # Errors
-/// [`OpenError`] with the file and what is wrong with it.
-pub fn open(path: &Path) -> Result<TraceSet, OpenError> {
+/// [`RecordingError`] with the file and what is wrong with it.
+pub fn open(path: &Path) -> Result<TraceSet, RecordingError> {
     open_with(path, &TableColumns::default())
 }
 
@@ -355,7 +279,7 @@ pub fn open(path: &Path) -> Result<TraceSet, OpenError> {
 ///
 /// # Errors
 /// As [`open`].
-pub fn open_with(path: &Path, columns: &TableColumns) -> Result<TraceSet, OpenError> {
+pub fn open_with(path: &Path, columns: &TableColumns) -> Result<TraceSet, RecordingError> {
     Recording::open(path, columns)?.into_set()
 }
 
@@ -363,12 +287,17 @@ pub fn open_with(path: &Path, columns: &TableColumns) -> Result<TraceSet, OpenEr
 ///
 /// # Errors
 /// As [`open_with`], and if there is no such shot.
-pub fn open_shot(path: &Path, number: u32, columns: &TableColumns) -> Result<TraceSet, OpenError> {
+pub fn open_shot(
+    path: &Path,
+    number: u32,
+    columns: &TableColumns,
+) -> Result<TraceSet, RecordingError> {
     let mut recording = Recording::open(path, columns)?;
     let place = recording.index.iter().position(|(found, _)| *found == number);
     let Some(place) = place else {
-        let shots = recording.index.len();
-        return Err(OpenError::NoShot { file: path.to_owned(), shots, number });
+        let found = format!("{} shots", recording.index.len());
+        let expected = format!("one with number {number}");
+        return Err(RecordingError::found(path.display(), found, expected));
     };
     recording.shot(place)?;
     Ok(recording.set)
@@ -383,8 +312,8 @@ struct Content {
 }
 
 impl Content {
-    fn of(path: &Path) -> Result<Self, OpenError> {
-        let failed = |source| OpenError::File { file: path.to_owned(), source };
+    fn of(path: &Path) -> Result<Self, RecordingError> {
+        let failed = |source| RecordingError::caused(path, source);
         let mut content = Self::default();
         for entry in std::fs::read_dir(path).map_err(failed)? {
             let file = entry.map_err(failed)?.path();
@@ -408,7 +337,7 @@ impl Content {
     }
 }
 
-fn folder(path: &Path, columns: &TableColumns) -> Result<TraceSet, OpenError> {
+fn folder(path: &Path, columns: &TableColumns) -> Result<TraceSet, RecordingError> {
     let content = Content::of(path)?;
     let mut set = TraceSet::default();
     if content.shots.is_empty() {
@@ -446,9 +375,11 @@ fn add_folder(
     content: &Content,
     prefix: &str,
     columns: &TableColumns,
-) -> Result<(), OpenError> {
+) -> Result<(), RecordingError> {
     if content.files.is_empty() {
-        return Err(OpenError::EmptyFolder { file: path.to_owned() });
+        let found = "no .csv or .isf file in this folder";
+        let expected = "at least one, e.g. F0000CH1.CSV, or folders ALLnnnn";
+        return Err(RecordingError::found(path.display(), found, expected));
     }
     add_shot(set, &content.files, prefix, columns)?;
     match content.set_ups.as_slice() {
@@ -464,7 +395,7 @@ fn add_folder(
 }
 
 /// Completes the last shot by the front panel's file.
-fn apply_set_file(set: &mut TraceSet, file: &Path, prefix: &str) -> Result<(), OpenError> {
+fn apply_set_file(set: &mut TraceSet, file: &Path, prefix: &str) -> Result<(), RecordingError> {
     let bytes = read_limited(file, set_file::MAXIMUM_BYTES as u64)?;
     match SetFile::read(&bytes, &file.display().to_string()) {
         Ok(set_up) => {
@@ -484,7 +415,7 @@ fn add_shot(
     files: &[PathBuf],
     prefix: &str,
     columns: &TableColumns,
-) -> Result<(), OpenError> {
+) -> Result<(), RecordingError> {
     let mut captures: Vec<Capture> = Vec::new();
     let (mut sensors, mut attachments) = (Vec::new(), Vec::new());
     let (mut first, mut saved) = (None, 0);
@@ -505,7 +436,10 @@ fn add_shot(
             let source = capture.waveform.source;
             if captures.iter().any(|c| c.waveform.source == source) {
                 let (file, channel) = (file.clone(), source.to_string());
-                return Err(OpenError::SameChannel { file, channel });
+                let found = format!("a second capture of {channel}");
+                let expected =
+                    "one file a channel: name a single file, or a folder with a single shot";
+                return Err(RecordingError::found(file.display(), found, expected));
             }
             captures.push(capture);
         }
@@ -541,9 +475,9 @@ fn add_shot(
 fn read(
     file: &Path,
     columns: &TableColumns,
-) -> Result<(Vec<Capture>, Vec<u8>, &'static str), OpenError> {
+) -> Result<(Vec<Capture>, Vec<u8>, &'static str), RecordingError> {
     let Some(format) = FileFormat::of(file) else {
-        return Err(OpenError::UnknownFormat { file: file.to_owned() });
+        return Err(unknown_format(file));
     };
     let bytes = read_limited(file, format.max_bytes)?;
     let captures = (format.read)(&bytes, &file.display().to_string(), columns)?;
@@ -596,9 +530,9 @@ pub fn set_up_of(set: &TraceSet, shot: u32) -> Option<&Attachment> {
 }
 
 /// The bytes of a file that has at most `limit`.
-fn read_limited(file: &Path, limit: u64) -> Result<Vec<u8>, OpenError> {
+fn read_limited(file: &Path, limit: u64) -> Result<Vec<u8>, RecordingError> {
     use std::io::Read as _;
-    let failed = |source| OpenError::File { file: file.to_owned(), source };
+    let failed = |source| RecordingError::caused(file, source);
     let opened = std::fs::File::open(file).map_err(failed)?;
     // A device or a pipe tells no size: one byte more than the limit is read.
     let mut found = opened.metadata().map_err(failed)?.len();
@@ -608,7 +542,12 @@ fn read_limited(file: &Path, limit: u64) -> Result<Vec<u8>, OpenError> {
         found = bytes.len() as u64;
     }
     if found > limit {
-        return Err(OpenError::TooLarge { file: file.to_owned(), found, limit });
+        return Err(RecordingError::too_large(file.display(), found, limit));
     }
     Ok(bytes)
+}
+
+fn unknown_format(file: &Path) -> RecordingError {
+    let expected = ".mcap, .csv, .isf, or a folder of .csv files as the scope saves them";
+    RecordingError::found(file.display(), "no known format", expected)
 }

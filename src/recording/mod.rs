@@ -7,6 +7,7 @@
 use std::collections::BTreeMap;
 
 mod command_text;
+mod error;
 mod finite;
 pub mod format;
 pub mod isf;
@@ -15,6 +16,9 @@ pub mod set_file;
 pub mod tek_csv;
 pub mod true_signal;
 
+pub use error::{FileLocation, RecordingError};
+pub use format::open;
+pub use mcap::write;
 pub use true_signal::TrueSignal;
 
 use crate::scope::Waveform;

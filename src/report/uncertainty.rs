@@ -87,7 +87,7 @@ pub fn uncertainty_budget(found: &UncertainPrediction) -> String {
 /// A value with so many digits, with a prefix of the unit that its dimension has in the SI.
 fn in_unit(value: f64, unit: &str, digits: usize) -> String {
     let dimension =
-        crate::quantity::parse_any(&format!("1 {unit}")).map(|(_, dimension)| dimension);
+        format!("1 {unit}").parse::<crate::quantity::Quantity>().map(|one| one.dimension);
     match dimension.map(Dimension::unit).as_deref() {
         Ok("kg") => engineering(1e3 * value, "g", digits),
         Ok(base) if !unit.is_empty() => engineering(value, base, digits),

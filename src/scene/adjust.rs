@@ -1,38 +1,51 @@
-//! A scene whose numbers can be turned: each by its path in the file, `striker.speed`,
-//! `materials.ptfe.youngs_modulus`, `sensors.*.sensitivity`.
+//! A scene whose values can be set by path: `striker.speed`, `materials.ptfe.youngs_modulus`,
+//! `sensors.*.sensitivity`. Fits, budgets and the screen change numbers, sweeps also names of
+//! models, lists and whole tables.
 //!
-//! Paths reach what the scene says itself, what it stands on, and what its instrument files say; a
-//! material's constants although they stand in a file of their own, and a sensor's sensitivity
-//! although it follows from plate and cable.
+//! Paths lead to values of the scene, of its bases and of its instruments' files. The constants of
+//! an included material and the sensitivity of a plate are copied into the scene first.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use super::bench::CachedPanel;
-use super::distance::Site;
-use super::document::{Node, Value};
+use super::document::{
+    ANY, Node, Value, at, at_mut, expand, insert, is_in_tables, known, put, quoted, quoted_key,
+};
 use super::library::{self, LoadedScene};
-use super::problem::SceneError;
-use super::tree::{ANY, at, at_mut, expand, insert, is_in_tables, known};
-use super::{Scene, input_load};
+use super::panel::CachedPanel;
+use super::problem::{Problem, SceneError, one_of};
+use super::problems::Problems;
+use super::root::RootKeys;
+use super::table::TableReader;
+use super::table::{Kind, key_at};
+use super::{Scene, Site, input_load};
 use crate::data;
-use crate::quantity::{Dimension, parse_any};
+use crate::quantity::{self, Difference, Dimension, Quantity};
 use crate::sensor::Load;
 
 /// A scene's tree, from which scenes with other numbers are made.
 #[derive(Debug, Clone)]
 pub struct Adjustable {
-    pub(super) loaded: LoadedScene,
+    loaded: LoadedScene,
     base: String,
     /// The scene's front panel, which scenes with other values mostly have, too.
     panel: Option<CachedPanel>,
 }
 
-/// A number of a scene that can be turned.
+/// A path and its new value.
+#[derive(Debug, Clone)]
+pub struct SceneOverride<'a> {
+    /// Paths in the scene, `striker.speed`; a number is a place in a list, counted from 1.
+    pub paths: &'a [String],
+    /// The new value.
+    pub node: Node,
+}
+
+/// A number of a scene that can be changed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AdjustableNumber {
-    /// Where it stands, `striker.speed`.
+    /// Its path, `striker.speed`.
     pub path: String,
     /// Its value in the scene, in SI units (unit).
     pub value: f64,
@@ -42,7 +55,7 @@ pub struct AdjustableNumber {
     pub scale: f64,
 }
 
-/// Why a path names nothing that can be turned.
+/// Why a path names nothing that can be changed.
 #[derive(Debug, thiserror::Error)]
 pub enum AdjustError {
     /// Nothing there.
@@ -86,10 +99,11 @@ impl Adjustable {
     ///
     /// # Errors
     /// As [`Scene::load`].
-    pub fn load(name: &str) -> Result<Self, SceneError> {
-        // A file is named by its whole path, so that what stands on it can lie anywhere.
-        let whole = std::fs::canonicalize(name).ok().filter(|_| Path::new(name).is_file());
-        let base = whole.map_or_else(|| name.to_owned(), |path| path.display().to_string());
+    pub fn load(name: impl AsRef<Path>) -> Result<Self, SceneError> {
+        let name = name.as_ref();
+        // A file is named by its whole path, so that scenes based on it can be in any folder.
+        let whole = std::fs::canonicalize(name).ok().filter(|_| name.is_file());
+        let base = whole.as_deref().unwrap_or(name).display().to_string();
         Self::of(library::load(name)?, base)
     }
 
@@ -104,7 +118,13 @@ impl Adjustable {
     fn of(loaded: LoadedScene, base: String) -> Result<Self, SceneError> {
         let adjustable = Self { loaded, base, panel: None };
         let duration = adjustable.scene()?.duration;
-        let panel = CachedPanel::of(&adjustable.loaded.root, duration);
+        let problems = Problems::default();
+        let root = &adjustable.loaded.root;
+        let keys = TableReader::of(root, "", &[RootKeys::KEYS], &problems);
+        let keys = keys.map(|root| RootKeys::read(&root));
+        let panel = keys.and_then(|keys| {
+            CachedPanel::of(keys.scope.as_ref()?, keys.sensors.as_ref(), duration)
+        });
         Ok(Self { panel, ..adjustable })
     }
 
@@ -133,11 +153,11 @@ impl Adjustable {
                 node.value = knob.typed(*value);
             }
         }
-        self.standing_on(root)
+        self.with_tree(root)
     }
 
     /// The scene of another tree.
-    pub(super) fn standing_on(&self, root: Node) -> Result<Scene, SceneError> {
+    fn with_tree(&self, root: Node) -> Result<Scene, SceneError> {
         let LoadedScene { name, text, texts, problems, .. } = &self.loaded;
         let loaded = LoadedScene {
             name: name.clone(),
@@ -159,10 +179,10 @@ impl Adjustable {
         if let Some(first @ &mut "sensor") = keys.first_mut() {
             *first = "sensors";
         }
-        self.lay_open(&keys)?;
+        self.copy_into_scene(&keys)?;
         let mut found = Vec::new();
         expand(&self.loaded.root, &keys, &mut Vec::new(), &mut found);
-        // A scene that stands on this one can say other values in tables, but not a part of a list.
+        // A scene based on this one can have other values in tables, but not of a part of a list.
         found.retain(|(path, _)| is_in_tables(&self.loaded.root, path));
         if found.is_empty() {
             let known = known(&self.loaded.root, &keys);
@@ -187,8 +207,8 @@ impl Adjustable {
         found
     }
 
-    /// Puts into the tree what a path may reach although the scene does not spell it out.
-    pub(super) fn lay_open(&mut self, keys: &[&str]) -> Result<(), AdjustError> {
+    /// Copies into the tree what a path may lead to although the scene does not have it.
+    fn copy_into_scene(&mut self, keys: &[&str]) -> Result<(), AdjustError> {
         match keys {
             ["materials", name, _] => {
                 let own = |root: &Node| at(root, &["materials", name]).is_some();
@@ -243,30 +263,29 @@ impl Adjustable {
         (1..keys.len()).any(|end| matches!(is_off(end), Some(Value::Flag(false))))
     }
 
-    /// A scene that stands on this one and has other values, as text; each with how many digits of
-    /// it count.
+    /// A scene based on this one with other values, as text; each with its number of decimals.
     pub fn derived(&self, values: &[(&AdjustableNumber, f64, usize)], title: &str) -> String {
         let mut tables: BTreeMap<String, BTreeMap<String, String>> = BTreeMap::new();
         for (knob, value, decimals) in values {
             let (table, key) = knob.path.rsplit_once('.').unwrap_or(("", &knob.path));
             let words = format!("{:.decimals$} {}", value / knob.scale, knob.unit);
-            let words = format!("\"{}\"", words.trim_end());
+            let words = quoted(words.trim_end());
             tables.entry(table.to_owned()).or_default().insert(key.to_owned(), words);
             self.fill_material(table, &mut tables);
         }
-        let mut text = format!("base = {:?}\ntitle = {title:?}\n", self.base);
+        let mut text = format!("base = {}\ntitle = {}\n", quoted(&self.base), quoted(title));
         for (table, values) in &tables {
             if !table.is_empty() {
-                let _ = write!(text, "\n[{table}]\n");
+                let _ = write!(text, "\n[{}]\n", quoted_path(table));
             }
             for (key, value) in values {
-                let _ = writeln!(text, "{key} = {value}");
+                let _ = writeln!(text, "{} = {value}", quoted_key(key));
             }
         }
         text
     }
 
-    /// A material's own table hides its file, so it has to say all of it.
+    /// A material's own table replaces its file, so it needs all of its keys.
     fn fill_material(&self, table: &str, tables: &mut BTreeMap<String, BTreeMap<String, String>>) {
         let keys: Vec<&str> = table.split('.').collect();
         let material = if keys.first() == Some(&"materials") { keys.as_slice() } else { &[] };
@@ -277,7 +296,7 @@ impl Adjustable {
         let Some(said) = tables.get_mut(table).filter(|_| material.len() == 2) else { return };
         for (key, entry) in &**all {
             let value = match &entry.node.value {
-                Value::Text(text) => format!("{text:?}"),
+                Value::Text(text) => quoted(text),
                 Value::Number { typed, .. } => typed.to_string(),
                 _ => continue,
             };
@@ -286,8 +305,59 @@ impl Adjustable {
     }
 }
 
+impl Adjustable {
+    /// The paths that `path` means: `*` is every name there is. A path without it may lead to a key
+    /// that the scene does not have.
+    ///
+    /// # Errors
+    /// [`AdjustError::Nothing`] if `*` finds no name, and [`AdjustError::Scene`] if the
+    /// scene itself
+    /// is wrong.
+    pub fn paths(&mut self, path: &str) -> Result<Vec<String>, AdjustError> {
+        let keys: Vec<&str> = path.split('.').map(str::trim).collect();
+        self.copy_into_scene(&keys)?;
+        if !keys.contains(&ANY) {
+            return Ok(vec![keys.join(".")]);
+        }
+        let mut found = Vec::new();
+        expand(&self.loaded.root, &keys, &mut Vec::new(), &mut found);
+        if found.is_empty() {
+            let known = known(&self.loaded.root, &keys);
+            return Err(AdjustError::Nothing { path: path.to_owned(), known });
+        }
+        Ok(found.into_iter().map(|(path, _)| path).collect())
+    }
+
+    /// The scene with `settings` and this seed.
+    ///
+    /// # Errors
+    /// [`SceneError`] with everything that is wrong with it, each problem where it was typed.
+    pub fn varied(&self, settings: &[SceneOverride<'_>], seed: u64) -> Result<Scene, SceneError> {
+        let mut root = self.loaded.root.clone();
+        for SceneOverride { paths, node } in settings {
+            for path in *paths {
+                let keys: Vec<&str> = path.split('.').collect();
+                change(&mut root, &keys, node.clone()).map_err(SceneError::Problems)?;
+            }
+        }
+        let mut scene = self.with_tree(root)?;
+        scene.seed = seed;
+        Ok(scene)
+    }
+}
+
+fn change(root: &mut Node, keys: &[&str], node: Node) -> Result<(), Vec<Problem>> {
+    let place = node.place.clone();
+    library::replace_model(root, keys, &node)?;
+    if put(root, keys, node) {
+        return Ok(());
+    }
+    let expected = one_of(known(root, keys));
+    Err(vec![place.problem(&keys.join("."), "nothing there in the scene".to_owned(), expected)])
+}
+
 impl AdjustableNumber {
-    /// A value as the file would have it.
+    /// A value as a file has it.
     fn typed(&self, value: f64) -> Value {
         Value::Text(format!("{:e} {}", value / self.scale, self.unit).into())
     }
@@ -307,40 +377,56 @@ fn sensitivity(scene: &Scene, index: usize) -> f64 {
 
 fn knob(path: String, node: &Node) -> Result<AdjustableNumber, AdjustError> {
     let wrong = |found: String| AdjustError::NoNumber { path: path.clone(), found };
+    let (value, dimension) = match (&node.value, number(&path, node)) {
+        (Value::Number { .. }, Some((value, _))) => {
+            return Ok(AdjustableNumber { path, value, unit: String::new(), scale: 1.0 });
+        }
+        (Value::Text(_), Some(number)) => number,
+        _ => return Err(wrong(node.describe())),
+    };
+    let (_, unit) = quantity::split(node.as_text().unwrap_or_default());
+    let one = |number: u8| format!("{number} {unit}").parse::<Quantity>().map(|one| one.value);
+    let scale = format!("1 {unit}").parse::<Difference>().map_or(1.0, |one| one.value);
+    // A unit with another zero, °C, is no factor of an absolute value.
+    let has_zero = is_difference(&path) || one(0).is_ok_and(|value| value == 0.0);
+    let (unit, scale) = match dimension {
+        _ if has_zero => (unit.to_owned(), scale),
+        Dimension::NONE => (String::new(), 1.0),
+        _ => (dimension.base_units(), 1.0),
+    };
+    Ok(AdjustableNumber { path, value, unit, scale })
+}
+
+/// Whether the value at `path` is a difference: `5 °C` is 5 K there.
+fn is_difference(path: &str) -> bool {
+    let keys: Vec<&str> = path.split('.').collect();
+    let key = key_at(&[RootKeys::KEYS], &keys);
+    key.is_some_and(|key| matches!(key.kind, Kind::Difference(..)))
+}
+
+/// Whether the value at `path` is a whole number.
+pub(super) fn is_whole(path: &str) -> bool {
+    let keys: Vec<&str> = path.split('.').collect();
+    key_at(&[RootKeys::KEYS], &keys).is_some_and(|key| matches!(key.kind, Kind::Count(..)))
+}
+
+/// The number that `node` is at `path` of a scene, in SI units, with its dimension; `None` if it is
+/// no number.
+pub fn number(path: &str, node: &Node) -> Option<(f64, Dimension)> {
     match &node.value {
-        Value::Number { value, .. } if value.is_finite() => {
-            Ok(AdjustableNumber { path, value: *value, unit: String::new(), scale: 1.0 })
+        Value::Number { value, .. } if value.is_finite() => Some((*value, Dimension::NONE)),
+        Value::Text(text) if is_difference(path) => {
+            let Difference { value, dimension } = text.parse().ok()?;
+            Some((value, dimension))
         }
         Value::Text(text) => {
-            let Ok((value, dimension)) = parse_any(text) else {
-                return Err(wrong(node.describe()));
-            };
-            let unit = unit_of(text.trim());
-            let (unit, scale) = match parse_any(&format!("1 {unit}")) {
-                // A unit with another zero, °C, is no factor.
-                Ok((scale, same)) if same == dimension && has_zero(unit) => {
-                    (unit.to_owned(), scale)
-                }
-                _ if dimension == Dimension::NONE => (String::new(), 1.0),
-                _ => (dimension.base_units(), 1.0),
-            };
-            Ok(AdjustableNumber { path, value, unit, scale })
+            let Quantity { value, dimension } = text.parse().ok()?;
+            Some((value, dimension))
         }
-        _ => Err(wrong(node.describe())),
+        _ => None,
     }
 }
 
-/// Whether zero of `unit` is zero in SI units.
-fn has_zero(unit: &str) -> bool {
-    parse_any(&format!("0 {unit}")).is_ok_and(|(value, _)| value == 0.0)
-}
-
-/// The rest of `text` behind its number.
-fn unit_of(text: &str) -> &str {
-    let number = |end: &usize| {
-        let digits: Option<String> = text.get(..*end).map(|start| start.trim().replace('_', ""));
-        digits.is_some_and(|digits| digits.parse::<f64>().is_ok())
-    };
-    let end = (0..=text.len()).rev().find(number).unwrap_or(0);
-    text.get(end..).unwrap_or_default().trim()
+fn quoted_path(path: &str) -> String {
+    path.split('.').map(quoted_key).collect::<Vec<_>>().join(".")
 }

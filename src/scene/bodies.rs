@@ -4,27 +4,118 @@ use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
+use super::document::{Node, Value};
 use super::library;
-use super::reader::{Bound, Problems, TableReader};
-use super::taper::sizes;
+use super::problem::one_of;
+use super::table::{Bound, Key, Places, TableReader};
+use super::table::{any, count, list_of, quantity, table, table_of, text, texts};
 use crate::chain::{Body, Chain, ChainError, ChainSpec, Elasticity, End};
 use crate::note::Note;
 use crate::quantity::{Dimension, engineering};
 
-/// Most particles a chain may have: a recording has a topic for each bead and each contact, and
-/// room for 65535.
+/// Most particles of a chain: a recording has a topic for each bead and each contact, and room for
+/// 65535.
 const MAX_PARTICLES: usize = 30_000;
-
-/// A mass that differs from that of its shape and its material's density by more than this factor
-/// is noted: holes and wrong diameters make less, wrong units A body wider than this has probably
-/// the wrong unit (m).
+/// A body wider than this is noted: it has probably the wrong unit (m).
 const LARGE_BODY: f64 = 0.1;
-/// and materials more (1).
+/// A mass that differs from that of its shape and its material's density by more than this factor
+/// is noted. Holes and wrong diameters make less, wrong units and materials more (1).
 const MAX_MASS_RATIO: f64 = 1.3;
+const END: &str = "\"free\", { wall = \"<material>\" } or { force = \"<force>\" }";
+const A_MATERIAL: &str = "the name of a material";
+
+table! {
+    /// `[materials.NAME]`, and the files of `instruments/materials`.
+    pub struct MaterialKeys<'a> {
+        youngs_modulus: f64 = quantity(Dimension::PRESSURE, Bound::MODULUS).required(),
+        poissons_ratio: f64 = quantity(Dimension::NONE, Bound::Between(-1.0, 0.5)).required(),
+        /// needed for bodies without a mass
+        density: f64 = quantity(Dimension::DENSITY, Bound::DENSITY),
+        /// default: none, no note on yielding
+        yield_strength: f64 = quantity(Dimension::PRESSURE, Bound::Positive),
+    }
+}
+
+table! {
+    /// A body: a diameter makes a sphere, a height in addition a cylinder with flat faces; without
+    /// either the faces are flat and the length is zero.
+    pub struct BodyKeys<'a> {
+        /// `hertzscope list materials`, or [materials.NAME] below
+        material: &'a str = text().required().needs(A_MATERIAL),
+        /// makes a sphere; a striker without it has a flat face
+        diameter: f64 = quantity(Dimension::LENGTH, Bound::LENGTH),
+        /// makes it a cylinder with flat faces
+        height: f64 = quantity(Dimension::LENGTH, Bound::LENGTH),
+        /// default: that of shape and density
+        mass: f64 = quantity(Dimension::MASS, Bound::MASS),
+    }
+}
+
+table! {
+    /// `[striker]` beside its body.
+    pub struct StrikerKeys<'a> {
+        /// instead of these keys: `hertzscope list strikers`, or a file
+        model: &'a str = text(),
+        /// at the first contact
+        speed: f64 = quantity(Dimension::SPEED, Bound::SPEED).required(),
+    }
+}
+
+table! {
+    /// `[chain]`.
+    pub struct ChainKeys<'a> {
+        /// a preload by a weight that follows; or "free", or a wall:
+        top: &'a Node = any(&[EndKeys::KEYS]).required().needs(END),
+        /// or "free", or { force = "1.2 N" }
+        bottom: &'a Node = any(&[EndKeys::KEYS]).required().needs(END),
+        segments: Vec<TableReader<'a>> = list_of(&[SegmentKeys::KEYS]),
+    }
+}
+
+table! {
+    /// One end of the chain.
+    pub struct EndKeys<'a> {
+        wall: &'a str = text(),
+        force: f64 = quantity(Dimension::FORCE, Bound::FORCE),
+        preload: f64 = quantity(Dimension::FORCE, Bound::FORCE),
+    }
+}
+
+table! {
+    /// One of `[[chain.segments]]`.
+    pub struct SegmentKeys<'a> {
+        /// kinds, in order
+        particles: Places<'a> = texts(),
+        /// how often this row comes
+        repeat: usize = count(1, MAX_PARTICLES as u64).or("1"),
+        /// in even steps, for a row of one kind; mass goes with the cube of the diameter
+        diameter: TaperKeys<'a> = table_of(&[TaperKeys::KEYS])
+            .needs("{ from = \"10 mm\", to = \"5 mm\" }"),
+        /// instead: each repetition is so many times as large as the one before
+        factor: f64 = quantity(Dimension::NONE, Bound::Positive),
+    }
+}
+
+table! {
+    /// Diameters of the first and last repetition of a row.
+    pub struct TaperKeys<'a> {
+        from: f64 = quantity(Dimension::LENGTH, Bound::LENGTH).required(),
+        to: f64 = quantity(Dimension::LENGTH, Bound::LENGTH).required(),
+    }
+}
+
+table! {
+    /// One of `[[initial_velocities]]`.
+    pub struct VelocityKeys<'a> {
+        particle: &'a Node =
+            particle_number().required().needs("a particle, counted from 1 at the top"),
+        /// downward positive
+        velocity: f64 = quantity(Dimension::SPEED, Bound::VELOCITY).required(),
+    }
+}
 
 /// Looks materials up, in the scene first and among the instruments then.
-pub struct Materials<'a> {
-    problems: &'a Problems,
+pub struct Materials {
     own: BTreeMap<String, Option<Material>>,
     /// Masses that do not go with density and shape.
     notes: RefCell<Vec<Note>>,
@@ -39,15 +130,11 @@ struct Material {
     density: Option<f64>,
 }
 
-impl<'a> Materials<'a> {
-    /// Reads `[materials.<name>]`.
-    pub fn read(root: &TableReader<'_>, problems: &'a Problems) -> Self {
-        let mut own = BTreeMap::new();
-        for (name, table) in root.tables("materials") {
-            own.insert(name.to_owned(), material(&table));
-            table.finish();
-        }
-        Self { problems, own, notes: RefCell::default() }
+impl Materials {
+    /// Reads `[materials.NAME]`.
+    pub fn read(tables: &[(&str, TableReader<'_>)]) -> Self {
+        let own = tables.iter().map(|(name, table)| ((*name).to_owned(), material(table)));
+        Self { own: own.collect(), notes: RefCell::default() }
     }
 
     /// Notes on masses that do not go with density and shape.
@@ -55,22 +142,22 @@ impl<'a> Materials<'a> {
         self.notes.into_inner()
     }
 
-    /// The material that `table` names under `key`.
-    fn named(&self, table: &TableReader<'_>, key: &'static str) -> Option<Material> {
-        let name = table.required_text(key, "the name of a material")?;
+    /// The material `name`, which `table` has under `key`.
+    fn named(&self, table: &TableReader<'_>, key: &str, name: Option<&str>) -> Option<Material> {
+        let name = name?;
         if let Some(own) = self.own.get(name) {
             return *own;
         }
-        let path = table.path_of(key);
-        match library::instrument("materials", name, table.place_of(key), &path) {
+        // Looking for thousands of files that do not exist takes minutes.
+        if table.problems().is_full() {
+            return None;
+        }
+        match library::instrument("materials", name, table.place_of(key), &table.path_of(key)) {
             Ok(node) => {
-                let table = TableReader::of(&node, "", self.problems)?;
-                let found = material(&table);
-                table.finish();
-                found
+                material(&TableReader::of(&node, "", &[MaterialKeys::KEYS], table.problems())?)
             }
             Err(problems) => {
-                self.problems.extend(problems);
+                table.problems().extend(problems);
                 None
             }
         }
@@ -78,33 +165,30 @@ impl<'a> Materials<'a> {
 }
 
 fn material(table: &TableReader<'_>) -> Option<Material> {
-    let _ = table.text("source");
-    let modulus = table.required("youngs_modulus", Dimension::PRESSURE, Bound::MODULUS);
-    let ratio = table.required("poissons_ratio", Dimension::NONE, Bound::Between(-1.0, 0.5));
-    let yield_strength = table.quantity("yield_strength", Dimension::PRESSURE, Bound::Positive);
-    let density = table.quantity("density", Dimension::DENSITY, Bound::DENSITY);
-    let elasticity = Elasticity { youngs_modulus: modulus?, poissons_ratio: ratio? };
-    Some(Material { elasticity, yield_strength, density })
+    let keys = MaterialKeys::read(table);
+    let elasticity =
+        Elasticity { youngs_modulus: keys.youngs_modulus?, poissons_ratio: keys.poissons_ratio? };
+    Some(Material { elasticity, yield_strength: keys.yield_strength, density: keys.density })
 }
 
-/// Reads a body: material, mass, and its shape. A diameter makes a sphere, a height in addition a
-/// cylinder with flat faces; without either the faces are flat and the length is zero. Without a
-/// mass it is that of the shape and the material's density.
+/// Reads a body, and its diameter if it has one (m); without a mass it has that of the shape and
+/// the material's density. `is_round` if it needs a diameter.
 fn body(
     table: &TableReader<'_>,
     name: &str,
-    materials: &Materials<'_>,
-    shaped: bool,
-) -> Option<Body> {
-    let _ = table.text("source");
-    let material = materials.named(table, "material");
-    let typed = table.quantity("mass", Dimension::MASS, Bound::MASS);
-    let read = if shaped { TableReader::required } else { TableReader::quantity };
-    let diameter = read(table, "diameter", Dimension::LENGTH, Bound::LENGTH);
-    let height = table.quantity("height", Dimension::LENGTH, Bound::LENGTH);
+    materials: &Materials,
+    is_round: bool,
+) -> Option<(Body, Option<f64>)> {
+    let keys = BodyKeys::read(table);
+    if is_round {
+        table.require(BodyKeys::KEYS, "diameter");
+    }
+    let material = materials.named(table, "material", keys.material);
+    let (diameter, height) = (keys.diameter, keys.height);
     // Without its shape, a body would look flat or round where it is neither.
     let unread = |key, value: Option<f64>| value.is_none() && table.has(key);
-    if unread("diameter", diameter) || unread("height", height) || (shaped && diameter.is_none()) {
+    if unread("diameter", diameter) || unread("height", height) || (is_round && diameter.is_none())
+    {
         return None;
     }
     let (length, curvature) = match (diameter, height) {
@@ -118,13 +202,11 @@ fn body(
         (None, _) => None,
     };
     let solid = material.and_then(|material| Some(material.density? * volume?));
-    let mass = match solid {
-        _ if table.has("mass") => typed,
-        Some(solid) => Some(solid),
-        // A material that could not be read has left its problem.
-        None if material.is_none() => None,
-        None => table.required("mass", Dimension::MASS, Bound::MASS),
-    };
+    let mass = if table.has("mass") { keys.mass } else { solid };
+    // A material that could not be read has left its problem.
+    if solid.is_none() && material.is_some() {
+        table.require(BodyKeys::KEYS, "mass");
+    }
     if let (Some(mass), Some(solid)) = (mass, solid)
         && !(1.0 / MAX_MASS_RATIO..=MAX_MASS_RATIO).contains(&(mass / solid))
     {
@@ -147,7 +229,9 @@ fn body(
         materials.notes.borrow_mut().push(note);
     }
     let Material { elasticity, yield_strength, .. } = material?;
-    Some(Body { name: name.into(), mass: mass?, length, curvature, elasticity, yield_strength })
+    let body =
+        Body { name: name.into(), mass: mass?, length, curvature, elasticity, yield_strength };
+    Some((body, diameter))
 }
 
 /// The striker and its speed (m/s).
@@ -159,84 +243,94 @@ pub struct Striker {
 }
 
 /// Reads `[striker]`.
-pub fn striker(root: &TableReader<'_>, materials: &Materials<'_>) -> Option<Striker> {
-    let table = root.table("striker")?;
-    let _ = table.text("model");
-    let body = body(&table, "striker", materials, false);
-    let speed = table.required("speed", Dimension::SPEED, Bound::SPEED);
-    table.finish();
-    Some(Striker { body: body?, speed: speed? })
+pub fn striker(table: &TableReader<'_>, materials: &Materials) -> Option<Striker> {
+    let keys = StrikerKeys::read(table);
+    let body = body(table, "striker", materials, false);
+    Some(Striker { body: body?.0, speed: keys.speed? })
 }
 
 /// The particles in order, each with its kind.
+#[derive(Default)]
 pub struct Particles<'a> {
     /// Bodies from the top; a kind that could not be read is missing.
     pub bodies: Vec<Body>,
-    /// Kind of each place, from the top; empty where a segment could not be read.
+    /// Kind of each place, from the top; empty if a segment could not be read.
     pub kinds: Vec<&'a str>,
 }
 
-/// Largest number that a particle may have in a chain of `particles`, 0 where that is not known.
-pub fn last_particle(particles: usize) -> u64 {
-    if particles == 0 { MAX_PARTICLES as u64 } else { particles as u64 }
+/// The number of a particle, which [`particle_in`] checks.
+pub const fn particle_number() -> Key {
+    count(1, MAX_PARTICLES as u64)
 }
 
-/// Reads `[particles.<kind>]` and `[chain]` with its segments.
-pub fn particles<'a>(
-    root: &TableReader<'_>,
-    chain: Option<&TableReader<'a>>,
-    materials: &Materials<'_>,
-) -> Particles<'a> {
-    let mut kinds = BTreeMap::new();
-    for (name, table) in root.tables("particles") {
-        let kind = body(&table, name, materials, true);
-        let diameter = || table.quantity("diameter", Dimension::LENGTH, Bound::LENGTH);
-        let diameter = kind.as_ref().and_then(|_| diameter());
-        kinds.insert(name, kind.zip(diameter));
-        table.finish();
-    }
-    let mut particles = Particles { bodies: Vec::new(), kinds: Vec::new() };
-    let mut complete = true;
-    let Some(chain) = chain else { return particles };
-    for segment in chain.list("segments") {
-        let repeat = segment.count("repeat", 1, MAX_PARTICLES as u64);
-        let names = segment.texts("particles");
-        complete &= (repeat.is_some() || !segment.has("repeat")) && !names.is_empty();
-        let repeat = repeat.and_then(|repeat| usize::try_from(repeat).ok()).unwrap_or(1);
-        for (name, place) in &names {
-            if !kinds.contains_key(name) {
-                let known: Vec<&str> = kinds.keys().copied().collect();
-                let expected = format!("a kind of particle: one of {}", known.join(", "));
-                segment.problem_at(place, "particles", format!("\"{name}\""), expected);
-            }
+/// The particle in `node`, the value of `particle`, in a chain of so many particles, 0 if that is
+/// not known.
+pub fn particle_in(
+    table: &TableReader<'_>,
+    node: Option<&Node>,
+    particles: usize,
+) -> Option<usize> {
+    let last = if particles == 0 { MAX_PARTICLES } else { particles };
+    match node?.value {
+        Value::Number { value, whole: true, .. } if (1.0..=last as f64).contains(&value) => {
+            Some(value as usize)
         }
-        let diameters: Vec<Option<f64>> = names
-            .iter()
-            .map(|(name, _)| kinds.get(name)?.as_ref().map(|(_, diameter)| *diameter))
-            .collect();
-        let sizes = sizes(&segment, repeat.min(MAX_PARTICLES), &diameters);
+        _ => {
+            let expected = format!("a whole number from 1 to {last}");
+            table.problem("particle", node?.describe(), expected);
+            None
+        }
+    }
+}
+
+/// Reads `[particles.KIND]` and the segments of the chain.
+pub fn particles<'a>(
+    kinds: &[(&str, TableReader<'_>)],
+    chain: Option<&ChainKeys<'a>>,
+    materials: &Materials,
+) -> Particles<'a> {
+    let mut known = BTreeMap::new();
+    for (name, table) in kinds {
+        let kind = body(table, name, materials, true);
+        known.insert(*name, kind.and_then(|(body, diameter)| Some((body, diameter?))));
+    }
+    let mut particles = Particles::default();
+    let Some(chain) = chain else { return particles };
+    let mut complete = true;
+    for table in chain.segments.iter().flatten() {
+        let segment = SegmentKeys::read(table);
+        let names = segment.particles.as_deref().unwrap_or_default();
+        complete &= segment.repeat.is_some() && !names.is_empty();
+        for (name, place) in names.iter().filter(|(name, _)| !known.contains_key(name)) {
+            if !table.problems().takes_more() {
+                continue;
+            }
+            let expected = format!("a kind of particle: {}", one_of(known.keys()));
+            table.problem_at(place, "particles", format!("\"{name}\""), expected);
+        }
+        let sizes = sizes(&segment, names, &known);
         complete &= sizes.is_some();
         let sizes = sizes.unwrap_or_default();
+        let repeat = segment.repeat.unwrap_or(1);
         if particles.kinds.len() + repeat.saturating_mul(names.len()) > MAX_PARTICLES {
             let expected = format!("at most {MAX_PARTICLES} particles");
-            segment.problem("repeat", "a longer chain", expected);
+            table.problem("repeat", "a longer chain", expected);
             complete = false;
         } else {
             for size in (0..repeat).map(|row| sizes.get(row).copied().unwrap_or(1.0)) {
-                for (name, _) in &names {
+                for (name, _) in names {
                     particles.kinds.push(name);
-                    let kind = kinds.get(name).and_then(Option::as_ref);
+                    let kind = known.get(name).and_then(Option::as_ref);
                     particles.bodies.extend(kind.map(|(body, _)| body.scaled(size)));
                 }
             }
         }
-        if !segment.has("particles") || segment.is_empty_list("particles") {
-            segment.problem("particles", "no particles", "a list of kinds of particles");
+        if !table.has("particles") || table.is_empty_list("particles") {
+            table.problem("particles", "no particles", "a list of kinds of particles");
         }
-        segment.finish();
     }
-    if !chain.has("segments") || chain.is_empty_list("segments") {
-        chain.problem("segments", "no particles", "at least one [[chain.segments]]");
+    if !chain.table.has("segments") || chain.table.is_empty_list("segments") {
+        chain.table.problem("segments", "no particles", "at least one [[chain.segments]]");
     }
     if !complete {
         // How long the chain was meant to be is not known, so nothing can be said against a
@@ -246,58 +340,114 @@ pub fn particles<'a>(
     particles
 }
 
-/// The end of a chain: `"free"`, `{ wall = "steel" }` or `{ force = "2 N" }`; a wall may press with
-/// a `preload`.
-pub fn end(
-    chain: &TableReader<'_>,
-    key: &'static str,
-    materials: &Materials<'_>,
-) -> Option<(End, f64)> {
-    const EXPECTED: &str = "\"free\", { wall = \"<material>\" } or { force = \"<force>\" }";
-    let Some(node) = chain.node(key) else {
-        chain.problem(key, "no such key", EXPECTED);
-        return None;
-    };
-    if matches!(&node.value, super::document::Value::Text(text) if &**text == "free") {
-        return Some((End::Free, 0.0));
-    }
-    if !matches!(&node.value, super::document::Value::Table(_)) {
-        chain.problem(key, node.describe(), EXPECTED);
-        return None;
-    }
-    let table = chain.table(key)?;
-    let found = match (table.has("wall"), table.has("force")) {
-        (true, false) => {
-            let wall = materials.named(&table, "wall");
-            let preload = table.quantity("preload", Dimension::FORCE, Bound::NotNegative);
-            wall.map(|wall| (End::Wall(wall.elasticity), preload.unwrap_or(0.0)))
+/// Size of each repetition of a row relative to its kinds; empty if all are alike, `None` if it is
+/// wrong. `diameter = { from, to }` changes it in even steps, `factor` by that factor each time. A
+/// body scales as a whole: its length with the size, its mass with the cube.
+fn sizes(
+    segment: &SegmentKeys<'_>,
+    names: &[(&str, &super::document::SourceLocation)],
+    kinds: &BTreeMap<&str, Option<(Body, f64)>>,
+) -> Option<Vec<f64>> {
+    let table = &segment.table;
+    let diameters: Vec<Option<f64>> = names
+        .iter()
+        .map(|(name, _)| kinds.get(name)?.as_ref().map(|(_, diameter)| *diameter))
+        .collect();
+    let repeat = segment.repeat.unwrap_or(1);
+    let rows = (0..repeat).map(|row| row as f64);
+    match (table.has("diameter"), table.has("factor")) {
+        (false, false) => Some(Vec::new()),
+        (true, true) => {
+            table.problem("factor", "both `diameter` and `factor`", "one of them");
+            None
         }
-        (false, true) => table
-            .quantity("force", Dimension::FORCE, Bound::NotNegative)
-            .map(|force| (End::Force(force), 0.0)),
-        _ => {
-            chain.problem(key, node.describe(), EXPECTED);
+        (false, true) => {
+            let factor = segment.factor?;
+            let sizes: Vec<f64> = rows.map(|row| factor.powf(row)).collect();
+            for size in sizes.last().into_iter().chain(sizes.first()) {
+                size_fits(table, *size, &diameters)?;
+            }
+            Some(sizes)
+        }
+        (true, false) => {
+            let taper = segment.diameter.as_ref()?;
+            let (from, to) = (taper.from?, taper.to?);
+            let [diameter] = diameters.as_slice() else {
+                let found = format!("a taper of {} kinds", diameters.len());
+                table.problem("diameter", found, "one kind in `particles`, or `factor`");
+                return None;
+            };
+            if repeat < 2 {
+                table.problem("diameter", "a taper of a single row", "`repeat` of 2 or more");
+                return None;
+            }
+            let steps = (repeat - 1) as f64;
+            // A kind that could not be read has left its problem.
+            let own = diameter.unwrap_or(from);
+            Some(rows.map(|row| (from + (to - from) * row / steps) / own).collect())
+        }
+    }
+}
+
+/// Refuses particles that would be too small or too large.
+fn size_fits(table: &TableReader<'_>, size: f64, diameters: &[Option<f64>]) -> Option<()> {
+    for diameter in diameters.iter().flatten().map(|diameter| size * diameter) {
+        if !Bound::LENGTH.holds(diameter) {
+            let found = format!("particles of {diameter:.3e} m");
+            let expected = format!("a length{}", Bound::LENGTH.broken_by(diameter));
+            table.problem("factor", found, expected);
             return None;
         }
+    }
+    Some(())
+}
+
+/// An end of the chain, `"free"`, `{ wall = "steel" }` or `{ force = "2 N" }`, and the preload by
+/// which a wall presses (N).
+pub fn end(
+    chain: &TableReader<'_>,
+    key: &str,
+    node: Option<&Node>,
+    materials: &Materials,
+) -> Option<(End, f64)> {
+    let node = node?;
+    if matches!(&node.value, Value::Text(text) if &**text == "free") {
+        return Some((End::Free, 0.0));
+    }
+    let wrong = || {
+        chain.problem(key, node.describe(), END);
+        None
     };
-    table.finish();
-    found
+    if !matches!(&node.value, Value::Table(_)) {
+        return wrong();
+    }
+    let table = TableReader::of(node, &chain.path_of(key), &[EndKeys::KEYS], chain.problems())?;
+    let end = EndKeys::read(&table);
+    match (table.has("wall"), table.has("force")) {
+        (true, false) => {
+            let wall = materials.named(&table, "wall", end.wall)?;
+            Some((End::Wall(wall.elasticity), end.preload.unwrap_or(0.0)))
+        }
+        (false, true) => end.force.map(|force| (End::Force(force), 0.0)),
+        _ => wrong(),
+    }
 }
 
 /// Refuses a preload at the bottom: there the loads above decide what the wall bears.
-pub fn no_preload_at_the_bottom(chain: &TableReader<'_>) {
-    let bottom = chain.node("bottom").map(|node| &node.value);
-    let Some(super::document::Value::Table(table)) = bottom else { return };
+pub fn no_preload_at_the_bottom(chain: &ChainKeys<'_>) {
+    let Some(Value::Table(table)) = chain.bottom.map(|node| &node.value) else { return };
     if let Some(entry) = table.get("preload") {
         let found = "a preload of the wall at the bottom".to_owned();
         let expected = "a preload of a wall at the top, or { force = \"<force>\" } there";
-        chain.problem_at(&entry.node.place, "bottom.preload", found, expected.to_owned());
+        let place = &entry.node.place;
+        chain.table.problem_at(place, "bottom.preload", found, expected.to_owned());
     }
 }
 
 /// Initial velocity of each body: the striker's, and `[[initial_velocities]]` (m/s).
 pub fn initial_velocities(
     root: &TableReader<'_>,
+    tables: &[TableReader<'_>],
     striker: Option<&Striker>,
     particles: usize,
 ) -> Vec<f64> {
@@ -308,22 +458,18 @@ pub fn initial_velocities(
     }
     let mut given = BTreeSet::new();
     let mut all_read = particles > 0;
-    for table in root.list("initial_velocities") {
-        if !table.has("particle") {
-            table.problem("particle", "no such key", "a particle, counted from 1 at the top");
-        }
-        let particle = table.count("particle", 1, last_particle(particles));
+    for table in tables {
+        let keys = VelocityKeys::read(table);
+        let particle = particle_in(table, keys.particle, particles);
         if let Some(number) = particle.filter(|number| !given.insert(*number)) {
             let found = format!("a second velocity of particle {number}");
             table.problem("particle", found, "one velocity for each particle");
         }
-        let velocity = table.required("velocity", Dimension::SPEED, Bound::VELOCITY);
-        let place = particle.and_then(|p| usize::try_from(p).ok()).map(|p| p - 1 + first);
-        match (velocity, place.and_then(|p| velocities.get_mut(p))) {
+        let place = particle.map(|particle| particle - 1 + first);
+        match (keys.velocity, place.and_then(|place| velocities.get_mut(place))) {
             (Some(velocity), Some(slot)) => *slot = velocity,
             _ => all_read = false,
         }
-        table.finish();
     }
     let still = velocities.iter().all(|v| *v == 0.0) && !root.has("striker");
     if still && (all_read || !root.has("initial_velocities")) {
@@ -332,12 +478,11 @@ pub fn initial_velocities(
     velocities
 }
 
-/// Puts the chain together; what does not fit is a problem of `[chain]`, or of the magnet among the
-/// `effects`.
+/// Puts the chain together; a body that does not fit is a problem of `[chain]`, or of the magnet.
 pub fn assemble(
     spec: &ChainSpec,
     chain: &TableReader<'_>,
-    effects: Option<&TableReader<'_>>,
+    magnet: Option<&TableReader<'_>>,
 ) -> Option<Chain> {
     match Chain::new(spec) {
         Ok(built) if built.contacts().iter().all(|contact| contact.stiffness == 0.0) => {
@@ -347,14 +492,13 @@ pub fn assemble(
         }
         Ok(built) => Some(built),
         Err(error) => {
-            let text = error.to_string();
+            let (text, concerns_magnet) = (error.to_string(), error.concerns_magnet());
             let key = match error {
                 ChainError::StrikerBehindWall => "top",
                 ChainError::Unbalanced { .. } => "bottom",
                 _ => "segments",
             };
-            let magnet = effects.filter(|_| error.concerns_magnet());
-            match magnet.and_then(|effects| effects.table("magnet_preload")) {
+            match magnet.filter(|_| concerns_magnet) {
                 Some(magnet) => magnet.problem("distance", text, ""),
                 None => chain.problem(key, text, ""),
             }
@@ -363,7 +507,7 @@ pub fn assemble(
     }
 }
 
-/// Names of the bodies that touch, from the top; none where the chain could not be read.
+/// Names of the bodies that touch, from the top; none if the chain could not be read.
 pub fn pairs<'a>(kinds: &[&'a str], striker: bool, ends: [bool; 2]) -> Vec<(&'a str, &'a str)> {
     let [top, bottom] = ends;
     if kinds.is_empty() {

@@ -1,12 +1,12 @@
-//! Distances along the chain at rest: the one function that `run`, `arrivals`, `compare`, sweeps
-//! and the screen's cursors share.
+//! Distances along the chain at rest, for `run`, `arrivals`, `compare`, sweeps and the screen's
+//! cursors.
 //!
 //! `d = sum of lengths - sum of static overlaps + o2 L2 - o1 L1`, offsets `o` of the plates in
 //! lengths `L` of their hosts, downward positive; `u(d)^2 = (u(o1) L1)^2 + (u(o2) L2)^2`.
 
 use crate::chain::Chain;
 
-/// Where a sensor sits.
+/// Host of a sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Site {
     /// Embedded in a particle, counted from 1.
@@ -15,7 +15,7 @@ pub enum Site {
     Wall,
 }
 
-/// Where a plate sits.
+/// Place of a plate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlatePlace {
     /// Its host.
@@ -27,8 +27,8 @@ pub struct PlatePlace {
 }
 
 impl PlatePlace {
-    /// Height above the bottom wall, and its standard uncertainty; none for a particle that the
-    /// chain does not have (m).
+    /// Height above the bottom wall, and its standard uncertainty; `None` for a particle beyond the
+    /// chain (m).
     fn height(self, chain: &Chain) -> Option<(f64, f64)> {
         let Site::Particle(particle) = self.site else { return Some((0.0, 0.0)) };
         if !(1..=chain.particles()).contains(&particle) {

@@ -1,11 +1,13 @@
-//! TOML text as a tree in which every value knows its file, line and column.
+//! TOML text as a tree in which every value has its file, line and column, and paths through it.
 //!
-//! A scene may stand on another (`base = "magnet-0.61g"`): tables are merged key by key, everything
-//! else is replaced, and each value keeps the place where it was typed. Copies share what they have
-//! in common: the scenes of a sweep differ in a few values, and copying all others took as long as
-//! following their chains.
+//! A path is a text of keys joined by dots, `chain.segments.2.repeat`: a number is a place in a
+//! list, counted from 1, and `*` stands for every name. Copies of a tree share what they have in
+//! common: the scenes of a sweep differ in a few values, and copying all others took as long as
+//! simulating their chains.
 
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -24,18 +26,28 @@ pub struct SourceLocation {
 #[derive(Debug)]
 struct Source {
     file: String,
+    /// Path of a file; none of an included one.
+    path: Option<PathBuf>,
     text: Arc<str>,
+    /// First byte of each line but the first, found when the first problem is placed.
+    lines: OnceCell<Vec<usize>>,
 }
 
 impl SourceLocation {
     /// A problem at this place.
     pub fn problem(&self, key: &str, found: String, expected: String) -> Problem {
-        let before = self.source.text.get(..self.offset).unwrap_or(&self.source.text);
-        let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+        let text = &self.source.text;
+        let lines = self
+            .source
+            .lines
+            .get_or_init(|| text.match_indices('\n').map(|(at, _)| at + 1).collect());
+        let line = lines.partition_point(|start| *start <= self.offset);
+        let start = line.checked_sub(1).and_then(|line| lines.get(line)).copied().unwrap_or(0);
+        let before = text.get(start..self.offset).unwrap_or_default();
         Problem {
             file: self.source.file.clone(),
-            line: before.matches('\n').count() + 1,
-            column: before[line_start..].chars().count() + 1,
+            line: line + 1,
+            column: before.chars().count() + 1,
             key: key.to_owned(),
             found,
             expected,
@@ -50,6 +62,11 @@ impl SourceLocation {
     /// The file's name.
     pub fn file(&self) -> &str {
         &self.source.file
+    }
+
+    /// The folder that paths in the file are relative to; none of an included file.
+    pub(super) fn folder(&self) -> Option<&Path> {
+        Some(self.source.path.as_ref()?.parent().unwrap_or(Path::new("")))
     }
 }
 
@@ -102,12 +119,25 @@ pub struct Node {
 }
 
 impl Node {
-    /// Reads `text`, naming it `file` in problems.
+    /// Reads `text` of an included file, which is called `file` in problems.
     ///
     /// # Errors
     /// The first syntax error, with its place: those behind it mostly follow from it.
     pub fn parse(file: &str, text: &str) -> Result<Self, Vec<Problem>> {
-        let source = Rc::new(Source { file: file.to_owned(), text: text.into() });
+        Self::parse_file(file, None, text)
+    }
+
+    /// Reads `text` of the file at `path`, which is called `file` in problems.
+    ///
+    /// # Errors
+    /// As [`Node::parse`].
+    pub fn parse_file(file: &str, path: Option<PathBuf>, text: &str) -> Result<Self, Vec<Problem>> {
+        let source = Rc::new(Source {
+            file: file.to_owned(),
+            path,
+            text: text.into(),
+            lines: OnceCell::new(),
+        });
         let (table, errors) = DeTable::parse_recoverable(text);
         let offset = |error: &&toml::de::Error| error.span().map_or(0, |span| span.start);
         if let Some(error) = errors.iter().min_by_key(offset) {
@@ -140,7 +170,7 @@ impl Node {
     /// Puts this tree on top of `base`: tables merge, everything else replaces.
     pub fn put_over(&mut self, base: &Self) {
         if let (Value::Table(upper), Value::Table(lower)) = (&mut self.value, &base.value) {
-            // A distribution of `[uncertainty]` is one thing.
+            // A distribution of `[uncertainty]` is replaced as a whole.
             if DISTRIBUTION_KEYS.iter().any(|key| upper.contains_key(*key)) {
                 return;
             }
@@ -164,6 +194,21 @@ impl Node {
             return None;
         };
         Some((text, &node.place))
+    }
+
+    /// The text, if it is one.
+    pub fn as_text(&self) -> Option<&str> {
+        if let Value::Text(text) = &self.value { Some(text) } else { None }
+    }
+
+    /// Whether it is this word, in any case.
+    pub fn is_text(&self, word: &str) -> bool {
+        self.as_text().is_some_and(|text| text.eq_ignore_ascii_case(word))
+    }
+
+    /// Whether it is a table.
+    pub fn is_table(&self) -> bool {
+        matches!(self.value, Value::Table(_))
     }
 
     /// The keys of a table, to be changed; none of what is no table.
@@ -208,5 +253,155 @@ fn node_of(source: &Rc<Source>, value: &Spanned<DeValue<'_>>) -> Node {
     Node {
         place: SourceLocation { source: Rc::clone(source), offset: value.span().start },
         value: value_of,
+    }
+}
+
+/// Stands for every name in a path.
+pub(super) const ANY: &str = "*";
+
+/// The value at a path.
+pub(super) fn at<'a>(node: &'a Node, keys: &[&str]) -> Option<&'a Node> {
+    let Some((first, rest)) = keys.split_first() else { return Some(node) };
+    match &node.value {
+        Value::Table(table) => at(&table.get(*first)?.node, rest),
+        Value::List(items) => at(items.get(place_in_list(first)?)?, rest),
+        _ => None,
+    }
+}
+
+/// `1` is the first of a list.
+fn place_in_list(key: &str) -> Option<usize> {
+    key.parse::<usize>().ok()?.checked_sub(1)
+}
+
+/// The value at a path, to be changed.
+pub(super) fn at_mut<'a>(node: &'a mut Node, keys: &[&str]) -> Option<&'a mut Node> {
+    let Some((first, rest)) = keys.split_first() else { return Some(node) };
+    match &mut node.value {
+        Value::Table(table) => at_mut(&mut Rc::make_mut(table).get_mut(*first)?.node, rest),
+        Value::List(items) => at_mut(Rc::make_mut(items).get_mut(place_in_list(first)?)?, rest),
+        _ => None,
+    }
+}
+
+/// Puts `value` at the path, creating the tables on the way.
+pub(super) fn insert(node: &mut Node, keys: &[&str], value: Value) {
+    let place = node.place.clone();
+    put(node, keys, Node { place, value });
+}
+
+/// Puts `new` at the path, creating the tables on the way; false if it cannot: a list is not made
+/// longer, and only tables have keys.
+pub(super) fn put(node: &mut Node, keys: &[&str], new: Node) -> bool {
+    let Some((first, rest)) = keys.split_first() else {
+        *node = new;
+        return true;
+    };
+    match &mut node.value {
+        Value::Table(table) => {
+            let table = Rc::make_mut(table);
+            if !table.contains_key(*first) {
+                let place = new.place.clone();
+                let value = Value::Table(Rc::new(Entries::new()));
+                let node = Node { place: place.clone(), value };
+                table.insert(Rc::from(*first), Entry { key_place: place, node });
+            }
+            table.get_mut(*first).is_some_and(|entry| put(&mut entry.node, rest, new))
+        }
+        Value::List(items) => {
+            let items = Rc::make_mut(items);
+            let item = place_in_list(first).and_then(|index| items.get_mut(index));
+            item.is_some_and(|item| put(item, rest, new))
+        }
+        _ => false,
+    }
+}
+
+/// All values that `keys` lead to, each with its path.
+pub(super) fn expand<'a>(
+    node: &'a Node,
+    keys: &[&str],
+    path: &mut Vec<String>,
+    found: &mut Vec<(String, &'a Node)>,
+) {
+    let Some((first, rest)) = keys.split_first() else {
+        found.push((path.join("."), node));
+        return;
+    };
+    let mut deeper = |key: String, node: &'a Node| {
+        path.push(key);
+        expand(node, rest, path, found);
+        path.pop();
+    };
+    let meant = |key: &str| *first == ANY || key == *first;
+    match &node.value {
+        Value::Table(table) => {
+            let entries = table.iter().filter(|(key, _)| meant(key));
+            entries.for_each(|(key, entry)| deeper(key.to_string(), &entry.node));
+        }
+        Value::List(items) => {
+            let items = (1..).map(|place: usize| place.to_string()).zip(&**items);
+            items.filter(|(key, _)| meant(key)).for_each(|(key, node)| deeper(key, node));
+        }
+        _ => {}
+    }
+}
+
+/// Whether the way along `path` leads through no list.
+pub(super) fn is_in_tables(root: &Node, path: &str) -> bool {
+    let keys: Vec<&str> = path.split('.').collect();
+    let is_table = |end| matches!(at(root, &keys[..end]).map(|n| &n.value), Some(Value::Table(_)));
+    (0..keys.len()).all(is_table)
+}
+
+/// Names at the last place of a path that is there.
+pub(super) fn known(root: &Node, keys: &[&str]) -> Vec<String> {
+    let mut node = root;
+    for key in keys {
+        let next = match &node.value {
+            Value::Table(table) if *key == ANY => table.values().next().map(|entry| &entry.node),
+            Value::List(items) if *key == ANY => items.first(),
+            _ => at(node, &[key]),
+        };
+        node = match (next, &node.value) {
+            (Some(next), _) => next,
+            (None, Value::Table(table)) => return table.keys().map(ToString::to_string).collect(),
+            (None, Value::List(items)) => {
+                return (1..=items.len()).map(|i| i.to_string()).collect();
+            }
+            _ => return Vec::new(),
+        };
+    }
+    Vec::new()
+}
+
+/// A TOML basic string. JSON's escapes are among TOML's, which has one character more that needs
+/// one.
+pub fn quoted(text: &str) -> String {
+    serde_json::Value::from(text).to_string().replace('\u{7f}', "\\u007f")
+}
+
+/// A key as TOML has it.
+pub(super) fn quoted_key(name: &str) -> String {
+    let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    if !name.is_empty() && name.chars().all(is_bare) { name.to_owned() } else { quoted(name) }
+}
+
+/// A value as TOML has it, on one line.
+pub(super) fn inline(node: &Node) -> String {
+    match &node.value {
+        Value::Text(text) => quoted(text),
+        Value::Number { typed, .. } => typed.to_string(),
+        Value::Flag(flag) => flag.to_string(),
+        Value::Date(date) => date.to_string(),
+        Value::List(items) => {
+            format!("[{}]", items.iter().map(inline).collect::<Vec<_>>().join(", "))
+        }
+        Value::Table(entries) => {
+            let pair = |(name, entry): (&Rc<str>, &Entry)| {
+                format!("{} = {}", quoted_key(name), inline(&entry.node))
+            };
+            format!("{{ {} }}", entries.iter().map(pair).collect::<Vec<_>>().join(", "))
+        }
     }
 }

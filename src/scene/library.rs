@@ -1,43 +1,59 @@
-//! Finds scenes and instruments by name or path, and puts each on what it stands on.
+//! Finds scenes and instruments by name or path, and merges each scene with its base and its
+//! instruments' files.
 //!
-//! A name is looked up among the embedded files; a text with a path separator or ending in `.toml`
+//! A name is looked up among the included files; a text with a path separator or ending in `.toml`
 //! is a file, relative to the one that names it.
 
+use std::cell::RefCell;
+use std::fmt::Write as _;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::sync::{Arc, OnceLock};
 
-use super::document::{Entry, Node, SourceLocation, Value};
-use super::files::Texts;
-use super::files::{read_text, shipped};
+use sha2::{Digest, Sha256};
+
+use super::document::{ANY, Entry, Node, SourceLocation, Value};
 use super::problem::{Problem, SceneError, did_you_mean};
-use super::tree::{at, at_mut};
 use crate::data;
 
-/// A scene may stand on a scene that stands on a scene; deeper is a mistake or a circle.
+/// Largest depth of bases of bases: a greater one is a mistake or a circle.
 const MAX_BASE_DEPTH: usize = 8;
+/// Largest file that is read as a scene or an instrument: ten thousand times the included ones
+/// (bytes).
+const MAX_TEXT_BYTES: u64 = 16 * 1024 * 1024;
 
-/// Tables that may name an instrument file in `model`, and the folder it lies in.
-const MODELS: [(&str, &str); 3] =
-    [("striker", "strikers"), ("scope", ""), ("magnet_preload", "magnets")];
+/// How a table that is not simply merged key by key is put over what is below it.
+#[derive(Clone, Copy)]
+enum MergeRule {
+    /// Its key `model` names a file of this folder, whose keys come below its own. Another model in
+    /// a scene removes what the base's model says: half of each would be neither.
+    Model(&'static str),
+    /// An included file of this folder that has the table's name comes below it.
+    Shipped(&'static str),
+    /// It replaces that of the base as a whole.
+    Whole,
+}
 
-/// Keys that name a file of constants, and the folder it lies in.
+/// The exceptions from merging key by key, by path. The order decides the hash of a scene's texts.
+const RULES: [(&[&str], MergeRule); 7] = [
+    (&["striker"], MergeRule::Model("strikers")),
+    (&["scope"], MergeRule::Model("")),
+    (&["materials", ANY], MergeRule::Shipped("materials")),
+    (&["effects", "magnet_preload"], MergeRule::Model("magnets")),
+    (&["sensors", ANY], MergeRule::Model("sensors")),
+    (&["chain", "top"], MergeRule::Whole),
+    (&["chain", "bottom"], MergeRule::Whole),
+];
+
+/// Keys that name a file of constants, and its folder.
 const CONSTANTS: [(&str, &str); 3] =
     [("material", "materials"), ("wall", "materials"), ("ceramic", "piezoceramics")];
 
-/// The ends of a chain.
-const ENDS: [&str; 2] = ["top", "bottom"];
-
-/// Where a file was found.
-#[derive(Debug, Clone, PartialEq, Eq)]
-enum Origin {
-    Embedded,
-    File(PathBuf),
-}
-
-/// A scene's tree with everything it stands on, and the text as typed.
+/// The merged tree of a scene, and the text as typed.
 #[derive(Debug, Clone)]
 pub struct LoadedScene {
-    /// Short name: the embedded name or the file's stem.
+    /// Short name: the included name or the file's stem.
     pub name: String,
     /// The scene's own text.
     pub text: String,
@@ -45,53 +61,49 @@ pub struct LoadedScene {
     pub texts: Texts,
     /// The merged tree.
     pub root: Node,
-    /// Instrument files that are not there or no TOML; one that ships stands in for each, so that
-    /// the rest can be checked.
+    /// Instrument files that do not exist or are no TOML; an included one takes the place of each,
+    /// so that the rest can be checked.
     pub problems: Vec<Problem>,
 }
 
-/// Loads scene `name`, an embedded one or a path.
+/// Loads scene `name`, an included one or a path.
 ///
 /// # Errors
-/// [`SceneError`] when there is no such scene or its text is no TOML.
-pub fn load(name: &str) -> Result<LoadedScene, SceneError> {
-    let (text, file, origin) = find("scenes", name, &Origin::Embedded)?.ok_or_else(|| {
-        if Path::new(name).exists() {
-            return SceneError::NoScene { name: name.to_owned() };
+/// [`SceneError`] if there is no such scene or its text is no TOML.
+pub fn load(name: &Path) -> Result<LoadedScene, SceneError> {
+    let file = find("scenes", name, None)?.ok_or_else(|| {
+        let shown = name.display().to_string();
+        if name.exists() {
+            return SceneError::NoScene { name: shown };
         }
-        SceneError::Unknown { name: name.to_owned(), shipped: data::instrument_names("scenes") }
+        SceneError::Unknown { name: shown, shipped: data::instrument_names("scenes") }
     })?;
-    let stem = Path::new(name).file_stem().and_then(|s| s.to_str()).unwrap_or(name);
-    let short = if origin == Origin::Embedded { name } else { stem };
-    assembled(short, text, &file, &origin)
+    let short =
+        if file.path.is_some() { name.file_stem().unwrap_or_default() } else { name.as_os_str() };
+    assembled(&short.to_string_lossy(), file)
 }
 
-/// Puts the scene `text`, which a recording carries as `file`, on what it stands on among the
-/// embedded files.
+/// Merges the scene `text`, which a recording carries as `file`, with what it is based on among the
+/// included files.
 ///
 /// # Errors
-/// [`SceneError`] when the text is no TOML or stands on what is not there.
+/// [`SceneError`] if the text is no TOML or its base does not exist.
 pub fn load_text(name: &str, file: &str, text: &str) -> Result<LoadedScene, SceneError> {
-    assembled(name, text.to_owned(), file, &Origin::Embedded)
+    assembled(name, FoundFile { text: text.to_owned(), name: file.to_owned(), path: None })
 }
 
-fn assembled(
-    name: &str,
-    text: String,
-    file: &str,
-    origin: &Origin,
-) -> Result<LoadedScene, SceneError> {
+fn assembled(name: &str, file: FoundFile) -> Result<LoadedScene, SceneError> {
     let mut library = Library { texts: Texts::default(), problems: Vec::new() };
-    let root = library.assemble(&text, file, origin, 0)?;
+    let root = library.assemble(&file, 0)?;
     library.add_constants(&root);
     let Library { texts, problems } = library;
-    Ok(LoadedScene { name: name.to_owned(), text, texts, root, problems })
+    Ok(LoadedScene { name: name.to_owned(), text: file.text, texts, root, problems })
 }
 
 /// The tree of the instrument file `kind/name`, which `place` names.
 ///
 /// # Errors
-/// Problems at `place` when there is no such file, or in the file when it is no TOML.
+/// Problems at `place` if there is no such file, or in the file if it is no TOML.
 pub fn instrument(
     kind: &str,
     name: &str,
@@ -101,29 +113,41 @@ pub fn instrument(
     if let Some(node) = shipped(kind, name) {
         return Ok(node);
     }
-    let origin = origin_of(place);
     let missing = |found: String| {
         let names = data::instrument_names(kind);
         let meant = did_you_mean(name, &names);
         let expected = format!("one of {}, or the path of a .toml file{meant}", names.join(", "));
         vec![place.problem(key, found, expected)]
     };
-    match find(kind, name, &origin) {
-        Ok(Some((text, file, _))) => Node::parse(&file, &text).map(Rc::new),
+    match find(kind, Path::new(name), place.folder()) {
+        Ok(Some(file)) => file.parse().map(Rc::new),
         Ok(None) => Err(missing(format!("\"{name}\", which does not exist"))),
         Err(SceneError::Problems(problems)) => Err(problems),
         Err(error) => Err(missing(error.to_string())),
     }
 }
 
-/// The tree of an instrument file that a user names, by its name or path; none if there is no such
-/// file.
+/// The tree of an instrument file that a user names, by its name or path; `None` if there is no
+/// such file.
 ///
 /// # Errors
-/// [`SceneError`] when it cannot be read or is no TOML.
-pub fn open(kind: &str, name: &str) -> Result<Option<Node>, SceneError> {
-    let found = find(kind, name, &Origin::Embedded)?;
-    found.map(|(text, file, _)| Node::parse(&file, &text).map_err(SceneError::Problems)).transpose()
+/// [`SceneError`] if it cannot be read or is no TOML.
+pub fn open(kind: &str, name: &Path) -> Result<Option<Node>, SceneError> {
+    let found = find(kind, name, None)?;
+    found.map(|file| file.parse().map_err(SceneError::Problems)).transpose()
+}
+
+/// The tree of the file at `path`, which the command line names; `what` it is, with an example.
+///
+/// # Errors
+/// [`SceneError`] if it does not exist, cannot be read or is no TOML.
+pub fn open_file(path: &Path, what: &'static str) -> Result<Node, SceneError> {
+    let name = path.display().to_string();
+    if !path.is_file() {
+        return Err(SceneError::NoFile { name, what });
+    }
+    let text = read_text(path, &name)?;
+    FoundFile { text, name, path: Some(path.to_owned()) }.parse().map_err(SceneError::Problems)
 }
 
 /// Refuses a name typed at the command line that is neither an included instrument of this `kind`
@@ -132,12 +156,17 @@ pub fn open(kind: &str, name: &str) -> Result<Option<Node>, SceneError> {
 /// # Errors
 /// [`SceneError::NoInstrument`], or as reading a file.
 pub fn require(kind: &'static str, name: &str) -> Result<(), SceneError> {
-    if find(kind, name, &Origin::Embedded)?.is_some() {
+    if find(kind, Path::new(name), None)?.is_some() {
         return Ok(());
     }
+    Err(no_instrument(kind, name))
+}
+
+/// The error about a name that is none of the included instruments and no file.
+pub(super) fn no_instrument(kind: &'static str, name: &str) -> SceneError {
     let listed = if kind.is_empty() { "scopes" } else { kind };
     let known = data::instrument_names(kind);
-    Err(SceneError::NoInstrument { listed, name: name.to_owned(), known })
+    SceneError::NoInstrument { listed, name: name.to_owned(), known }
 }
 
 struct Library {
@@ -146,14 +175,9 @@ struct Library {
 }
 
 impl Library {
-    fn assemble(
-        &mut self,
-        text: &str,
-        file: &str,
-        origin: &Origin,
-        depth: usize,
-    ) -> Result<Node, SceneError> {
-        let mut root = Node::parse(file, text).map_err(SceneError::Problems)?;
+    /// The tree of a scene, merged with its models and its base.
+    fn assemble(&mut self, file: &FoundFile, depth: usize) -> Result<Node, SceneError> {
+        let mut root = file.parse().map_err(SceneError::Problems)?;
         self.texts.add(root.place.text());
         let Some((base, place)) = root.text("base").map(|(b, p)| (b.to_owned(), p.clone())) else {
             self.insert_models(&mut root);
@@ -167,84 +191,43 @@ impl Library {
             SceneError::Problems(vec![place.problem("base", found, expected)])
         };
         if depth >= MAX_BASE_DEPTH {
-            return Err(wrong(format!(
-                "more than {MAX_BASE_DEPTH} scenes standing on one another"
-            )));
+            return Err(wrong(format!("more than {MAX_BASE_DEPTH} scenes based on one another")));
         }
-        let found = find("scenes", &base, origin).map_err(|error| match error {
+        let folder = file.path.as_ref().and_then(|path| path.parent());
+        let found = find("scenes", Path::new(&base), folder).map_err(|error| match error {
             SceneError::Problems(problems) => SceneError::Problems(problems),
             error => wrong(error.to_string()),
         })?;
-        let (base_text, base_file, base_origin) =
-            found.ok_or_else(|| wrong(format!("\"{base}\", which does not exist")))?;
-        let below = self.assemble(&base_text, &base_file, &base_origin, depth + 1)?;
-        // Models go in before merging, so that naming another model replaces all the first one
-        // said.
+        let found = found.ok_or_else(|| wrong(format!("\"{base}\", which does not exist")))?;
+        let mut below = self.assemble(&found, depth + 1)?;
         self.insert_models(&mut root);
-        let mut below = below;
-        remove_replaced_models(&root, &mut below);
-        remove_replaced_ends(&root, &mut below);
-        root.put_over(&below);
+        merge(&mut root, &mut below);
         Ok(root)
     }
 
-    /// Adds the texts of materials and ceramics. They are looked up again where their numbers are
-    /// read.
-    fn add_constants(&mut self, node: &Node) {
-        let table = match &node.value {
-            Value::Table(table) => table,
-            Value::List(items) => return items.iter().for_each(|item| self.add_constants(item)),
-            _ => return,
-        };
-        for (key, kind) in CONSTANTS {
-            let Some((name, place)) = node.text(key) else { continue };
-            // The reader of the numbers reports files that cannot be read.
-            if let Ok(file) = instrument(kind, name, place, key) {
-                self.texts.add(file.place.text());
-            }
-        }
-        for entry in table.values() {
-            self.add_constants(&entry.node);
-        }
-    }
-
-    /// Puts each table that names an instrument file on top of that file.
+    /// Puts each table that names an instrument file over that file.
     fn insert_models(&mut self, root: &mut Node) {
-        let Some(top) = root.entries_mut() else { return };
-        for (key, kind) in MODELS {
-            if let Some(entry) = top.get_mut(key) {
-                self.insert_model(entry, kind, key);
-            }
-        }
-        // A scene's own material changes what it says of one that ships under the same name.
-        if let Some(materials) = top.get_mut("materials").and_then(|e| e.node.entries_mut()) {
-            for (name, entry) in materials.iter_mut() {
-                if let Some(below) = shipped("materials", name) {
-                    self.texts.add(below.place.text());
-                    entry.node.put_over(&below);
+        for (path, rule) in RULES {
+            for_each(root, path, &mut Vec::new(), &mut |entry, path| match rule {
+                MergeRule::Model(kind) => self.insert_model(entry, kind, path),
+                MergeRule::Shipped(kind) => {
+                    let name = path.last().map_or("", String::as_str);
+                    if let Some(below) = shipped(kind, name) {
+                        self.texts.add(below.place.text());
+                        entry.node.put_over(&below);
+                    }
                 }
-            }
-        }
-        if let Some(effects) = top.get_mut("effects").and_then(|e| e.node.entries_mut()) {
-            for (key, kind) in MODELS {
-                if let Some(entry) = effects.get_mut(key) {
-                    self.insert_model(entry, kind, &format!("effects.{key}"));
-                }
-            }
-        }
-        if let Some(sensors) = top.get_mut("sensors").and_then(|e| e.node.entries_mut()) {
-            for (name, entry) in sensors.iter_mut() {
-                self.insert_model(entry, "sensors", &format!("sensors.{name}"));
-            }
+                MergeRule::Whole => {}
+            });
         }
     }
 
-    fn insert_model(&mut self, entry: &mut Entry, kind: &str, path: &str) {
+    fn insert_model(&mut self, entry: &mut Entry, kind: &str, path: &[String]) {
         let Some((name, place)) = entry.node.text("model") else {
             return;
         };
         let place = place.clone();
-        match instrument(kind, name, &place, &format!("{path}.model")) {
+        match instrument(kind, name, &place, &format!("{}.model", path.join("."))) {
             Ok(below) => {
                 self.texts.add(below.place.text());
                 entry.node.put_over(&below);
@@ -257,43 +240,87 @@ impl Library {
             }
         }
     }
+
+    /// Adds the texts of materials and ceramics. They are looked up again by the readers of their
+    /// numbers, which report files that cannot be read.
+    fn add_constants(&mut self, root: &Node) {
+        each_constant(root, &mut |_, _, file| self.texts.add(file.place.text()));
+    }
 }
 
-/// Takes away what the model of a sensor or magnet said below where another model is named above:
-/// half of each would be neither.
-fn remove_replaced_models(above: &Node, below: &mut Node) {
-    let child = |node: &Node, key: &str| match &node.value {
-        Value::Table(table) => table.get(key).map(|entry| entry.node.clone()),
-        _ => None,
+/// Calls `found` with folder, name and tree of each file of constants that a tree names.
+pub(super) fn each_constant(node: &Node, found: &mut impl FnMut(&str, &str, &Node)) {
+    let table = match &node.value {
+        Value::Table(table) => table,
+        Value::List(items) => return items.iter().for_each(|item| each_constant(item, found)),
+        _ => return,
     };
-    for (folder, kind, only) in
-        [("sensors", "sensors", None), ("effects", "magnets", Some("magnet_preload"))]
-    {
-        let Some(above) = child(above, folder) else { continue };
-        let Some(below) = below.entries_mut().and_then(|b| b.get_mut(folder)) else { continue };
-        let Some(below) = below.node.entries_mut() else { continue };
-        for (name, entry) in below.iter_mut().filter(|(name, _)| only.is_none_or(|o| o == &***name))
-        {
-            if child(&above, name).and_then(|node| node.text("model").map(|_| ())).is_some() {
-                remove_model(&mut entry.node, kind);
+    for (key, kind) in CONSTANTS {
+        let Some((name, place)) = node.text(key) else { continue };
+        // Without the problems that `instrument` finds, which take long.
+        let read = || {
+            let file = find(kind, Path::new(name), place.folder()).ok()??;
+            file.parse().ok().map(Rc::new)
+        };
+        if let Some(file) = shipped(kind, name).or_else(read) {
+            found(kind, name, &file);
+        }
+    }
+    for entry in table.values() {
+        each_constant(&entry.node, found);
+    }
+}
+
+/// Calls `change` for every value at `path`, below `node`, with the names on the way.
+fn for_each(
+    node: &mut Node,
+    path: &[&str],
+    names: &mut Vec<String>,
+    change: &mut impl FnMut(&mut Entry, &[String]),
+) {
+    let (Some((first, rest)), Some(entries)) = (path.split_first(), node.entries_mut()) else {
+        return;
+    };
+    for (name, entry) in entries.iter_mut() {
+        if *first == ANY || *first == &**name {
+            names.push(name.to_string());
+            if rest.is_empty() {
+                change(entry, names);
+            } else {
+                for_each(&mut entry.node, rest, names, change);
             }
+            names.pop();
         }
     }
 }
 
-/// Takes away the ends of the chain below that are others above: half of each would be neither.
-fn remove_replaced_ends(above: &Node, below: &mut Node) {
-    let (Some(above), Some(below)) = (at(above, &["chain"]), at_mut(below, &["chain"])) else {
-        return;
-    };
-    if let Some(ends) = below.entries_mut() {
-        ends.retain(|key, _| !ENDS.contains(&&**key) || at(above, &[key]).is_none());
+/// Puts a scene over its base, key by key but for the [`RULES`].
+fn merge(over: &mut Node, base: &mut Node) {
+    for (path, rule) in RULES {
+        remove_replaced(over, base, path, rule);
+    }
+    over.put_over(base);
+}
+
+/// Removes from `base` what a table at `path` in `over` replaces.
+fn remove_replaced(over: &Node, base: &mut Node, path: &[&str], rule: MergeRule) {
+    let Some((first, rest)) = path.split_first() else { return };
+    let (Value::Table(over), Some(base)) = (&over.value, base.entries_mut()) else { return };
+    for (name, above) in over.iter().filter(|(name, _)| *first == ANY || *first == &***name) {
+        let Some(below) = base.get_mut(name) else { continue };
+        match rule {
+            _ if !rest.is_empty() => remove_replaced(&above.node, &mut below.node, rest, rule),
+            MergeRule::Model(kind) if above.node.text("model").is_some() => {
+                remove_model(&mut below.node, kind);
+            }
+            MergeRule::Whole => _ = base.remove(name),
+            MergeRule::Model(_) | MergeRule::Shipped(_) => {}
+        }
     }
 }
 
-/// Takes away what the model said that this table names, so that another's can take its place; what
-/// the scene says itself stays.
-pub fn remove_model(table: &mut Node, kind: &str) {
+/// Removes what the file of the table's model says; what the scene says itself stays.
+fn remove_model(table: &mut Node, kind: &str) {
     let Some((model, place)) = table.text("model") else { return };
     let Ok(file) = instrument(kind, model, place, "") else { return };
     if let Some(keys) = table.entries_mut() {
@@ -301,65 +328,204 @@ pub fn remove_model(table: &mut Node, kind: &str) {
     }
 }
 
-/// Whether the file `kind/name` ships with the program.
+/// Whether the file `kind/name` is included in the program.
 pub fn is_shipped(kind: &str, name: &str) -> bool {
     data::instrument(kind, name).is_some()
 }
 
-/// Takes away the names of models that do not ship with the program; their numbers stay.
+/// Removes the names of models that are not included in the program; their numbers stay.
 pub fn remove_other_models(root: &mut Node) {
-    let remove = |table: Option<&mut Node>, kind: &str| {
-        let Some(table) = table else { return };
-        let is_other = table.text("model").is_some_and(|(name, _)| !is_shipped(kind, name));
-        if let Some(entries) = table.entries_mut().filter(|_| is_other) {
-            entries.remove("model");
-        }
-    };
-    for (key, kind) in MODELS {
-        remove(at_mut(root, &[key]), kind);
-        remove(at_mut(root, &["effects", key]), kind);
-    }
-    if let Some(sensors) = at_mut(root, &["sensors"]).and_then(Node::entries_mut) {
-        for entry in sensors.values_mut() {
-            remove(Some(&mut entry.node), "sensors");
-        }
+    for (path, rule) in RULES {
+        let MergeRule::Model(kind) = rule else { continue };
+        for_each(root, path, &mut Vec::new(), &mut |entry, _| {
+            let is_other =
+                entry.node.text("model").is_some_and(|(name, _)| !is_shipped(kind, name));
+            if let Some(entries) = entry.node.entries_mut().filter(|_| is_other) {
+                entries.remove("model");
+            }
+        });
     }
 }
 
-/// An instrument of this kind that ships: without one, every key of a missing file would be missing
+/// Replaces the model of the table that `keys` without the last lead to, if they lead to the
+/// `model` of one; the scene's own keys stay.
+///
+/// # Errors
+/// As [`instrument`].
+pub(super) fn replace_model(
+    root: &mut Node,
+    keys: &[&str],
+    model: &Node,
+) -> Result<(), Vec<Problem>> {
+    let (Some(("model", table)), Value::Text(name)) =
+        (keys.split_last().map(|(last, table)| (*last, table)), &model.value)
+    else {
+        return Ok(());
+    };
+    let is_at = |path: &[&str]| {
+        path.len() == table.len() && path.iter().zip(table).all(|(p, key)| *p == ANY || p == key)
+    };
+    let rule = RULES.iter().find(|(path, _)| is_at(path)).map(|(_, rule)| *rule);
+    let Some(MergeRule::Model(kind)) = rule else { return Ok(()) };
+    let file = instrument(kind, name, &model.place, &keys.join("."))?;
+    if let Some(table) = super::document::at_mut(root, table) {
+        remove_model(table, kind);
+        table.put_over(&file);
+    }
+    Ok(())
+}
+
+/// An included instrument of this kind: without one, every key of a missing file would be missing
 /// as well.
-fn stand_in(kind: &str) -> Option<Node> {
-    let name = *data::instrument_names(kind).first()?;
-    Node::parse(name, data::instrument(kind, name)?).ok()
+fn stand_in(kind: &str) -> Option<Rc<Node>> {
+    shipped(kind, data::instrument_names(kind).first()?)
 }
 
-/// Where the file of `place` lies, so that paths in it can be relative.
-fn origin_of(place: &SourceLocation) -> Origin {
-    let path = Path::new(place.file());
-    if path.exists() { Origin::File(path.to_owned()) } else { Origin::Embedded }
+/// A file that was found.
+struct FoundFile {
+    text: String,
+    /// Its name in problems.
+    name: String,
+    /// None of an included one.
+    path: Option<PathBuf>,
 }
 
-/// Text, display name and origin of `name` in folder `kind`; `None` if there is none.
-fn find(
-    kind: &str,
-    name: &str,
-    from: &Origin,
-) -> Result<Option<(String, String, Origin)>, SceneError> {
-    let looks_like_path =
-        name.contains(['/', '\\']) || Path::new(name).extension().is_some_and(|e| e == "toml");
-    if !looks_like_path {
-        let text = data::instrument(kind, name);
-        let shown =
-            if kind.is_empty() { format!("{name}.toml") } else { format!("{kind}/{name}.toml") };
-        return Ok(
-            text.map(|text| (text.to_owned(), format!("instruments/{shown}"), Origin::Embedded))
-        );
+impl FoundFile {
+    fn parse(&self) -> Result<Node, Vec<Problem>> {
+        Node::parse_file(&self.name, self.path.clone(), &self.text)
     }
-    let path = match from {
-        Origin::File(file) => file.parent().unwrap_or(Path::new("")).join(name),
-        Origin::Embedded => PathBuf::from(name),
-    };
-    let file = path.display().to_string();
-    let text = read_text(&path, &file)?;
-    Ok(Some((text, file, Origin::File(path))))
+}
+
+/// The file `name` of folder `kind`, or at a path relative to `folder`; `None` if there is none.
+fn find(kind: &str, name: &Path, folder: Option<&Path>) -> Result<Option<FoundFile>, SceneError> {
+    let plain = name.to_str().filter(|name| {
+        !name.contains(['/', '\\']) && Path::new(name).extension().is_none_or(|e| e != "toml")
+    });
+    if let Some(name) = plain {
+        return Ok(data::instrument(kind, name).map(|text| FoundFile {
+            text: text.to_owned(),
+            name: shipped_file(kind, name),
+            path: None,
+        }));
+    }
+    let path = folder.map_or_else(|| name.to_owned(), |folder| folder.join(name));
+    let shown = path.display().to_string();
+    let text = read_text(&path, &shown)?;
+    Ok(Some(FoundFile { text, name: shown, path: Some(path) }))
+}
+
+/// Name of an included file in problems.
+fn shipped_file(kind: &str, name: &str) -> String {
+    let folder = if kind.is_empty() { "" } else { "/" };
+    ["instruments/", kind, folder, name, ".toml"].concat()
+}
+
+thread_local! {
+    /// The included instruments that have been read: a sweep reads the same few thousands of times,
+    /// and parsing them costs more than anything else about a scene.
+    static SHIPPED: RefCell<Vec<Shipped>> = const { RefCell::new(Vec::new()) };
+}
+
+/// An instrument's folder, name and tree.
+struct Shipped {
+    kind: String,
+    name: String,
+    node: Rc<Node>,
+}
+
+/// The tree of the included instrument `kind/name`; `None` if there is no such one, or if `name` is
+/// a path.
+fn shipped(kind: &str, name: &str) -> Option<Rc<Node>> {
+    if name.contains(['/', '\\']) {
+        return None;
+    }
+    let is_it = |known: &&Shipped| known.name == name && known.kind == kind;
+    let node_of = |known: &Shipped| Rc::clone(&known.node);
+    if let Some(node) = SHIPPED.with_borrow(|known| known.iter().find(is_it).map(node_of)) {
+        return Some(node);
+    }
+    let text = data::instrument(kind, name)?;
+    let node = Rc::new(Node::parse(&shipped_file(kind, name), text).ok()?);
+    let (kind, name) = (kind.to_owned(), name.to_owned());
+    let shipped = Shipped { kind, name, node: Rc::clone(&node) };
+    SHIPPED.with_borrow_mut(|known| known.push(shipped));
+    Some(node)
+}
+
+/// The file's text; bytes that are no UTF-8 are a problem at their place.
+fn read_text(path: &Path, file: &str) -> Result<String, SceneError> {
+    let failed = |source| SceneError::Read { file: file.to_owned(), source };
+    let mut bytes = Vec::new();
+    let opened = std::fs::File::open(path).map_err(failed)?;
+    opened.take(MAX_TEXT_BYTES + 1).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.len() as u64 > MAX_TEXT_BYTES {
+        return Err(SceneError::TooLarge { file: file.to_owned(), limit: MAX_TEXT_BYTES });
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let sound = error.utf8_error().valid_up_to();
+        let before = String::from_utf8_lossy(error.as_bytes().get(..sound).unwrap_or_default());
+        let column = before.rsplit('\n').next().unwrap_or_default().chars().count() + 1;
+        SceneError::Problems(vec![Problem {
+            file: file.to_owned(),
+            line: before.matches('\n').count() + 1,
+            column,
+            key: String::new(),
+            found: format!("byte 0x{:02x}", error.as_bytes().get(sound).copied().unwrap_or(0)),
+            expected: "text in UTF-8".to_owned(),
+        }])
+    })
+}
+
+/// The texts of a scene, of its bases and instruments, and of the constants it names.
+#[derive(Debug, Clone, Default)]
+pub struct Texts {
+    all: Vec<Arc<str>>,
+    /// Their hash, computed on first use.
+    hash: OnceLock<String>,
+    /// All of them merged, as one scene.
+    merged: Option<Arc<str>>,
+}
+
+impl PartialEq for Texts {
+    fn eq(&self, other: &Self) -> bool {
+        self.all == other.all
+    }
+}
+
+impl Texts {
+    /// Adds one.
+    fn add(&mut self, text: &Arc<str>) {
+        self.all.push(Arc::clone(text));
+        self.hash = OnceLock::new();
+    }
+
+    /// All of them merged, as a scene that is based on no other file; none of a scene whose values
+    /// were changed after it was read.
+    pub fn merged(&self) -> Option<&str> {
+        self.merged.as_deref()
+    }
+
+    /// Sets the merged scene.
+    pub(super) fn set_merged(&mut self, merged: Option<&str>) {
+        self.merged = merged.map(Into::into);
+    }
+
+    /// SHA-256 over all of them, in hexadecimal; computed on first use, since a run that keeps no
+    /// record needs none.
+    pub fn hash(&self) -> &str {
+        self.hash.get_or_init(|| {
+            let mut hash = Sha256::new();
+            self.all.iter().for_each(|text| hash.update(text.as_bytes()));
+            hexadecimal(&hash.finalize())
+        })
+    }
+}
+
+/// Bytes such as those of a hash, two hexadecimal digits each.
+pub fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |mut text, byte| {
+        // Writing to a text does not fail.
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
 }

@@ -1,83 +1,90 @@
 //! Reads the files of `instruments/magnets`: a constant force, a ring with its sphere, or a
 //! measured table.
 
-use super::document::Node;
+use std::path::Path;
+
 use super::library;
-use super::problem::{Problem, SceneError, did_you_mean, listed};
-use super::reader::{Bound, Problems, TableReader};
+use super::problem::SceneError;
+use super::problems::Problems;
+use super::table::{Bound, TableReader, count, list_of, positive, quantity, table};
 use crate::magnet::{ForceLaw, ForceTable, Magnet, RingMagnet, Sphere};
 use crate::quantity::Dimension;
 
 /// The required key of each kind of magnet.
 const KINDS: [&str; 3] = ["force", "outer_diameter", "measured"];
 
-/// Why there is no magnet.
-#[derive(Debug, thiserror::Error)]
-pub enum MagnetError {
-    /// Neither a shipped magnet nor a file.
-    #[error("no magnet or file `{name}`{}; the shipped ones are {}", did_you_mean(name, shipped), shipped.join(", "))]
-    Unknown {
-        /// The requested name.
-        name: String,
-        /// The magnets there are.
-        shipped: Vec<&'static str>,
-    },
-    /// The file could not be read.
-    #[error(transparent)]
-    Read(SceneError),
-    /// The file is wrong in at least one place.
-    #[error("{}", listed(.0, "the magnet's file"))]
-    Problems(Vec<Problem>),
+table! {
+    /// A ring magnet and the sphere that it attracts.
+    pub struct RingKeys<'a> {
+        outer_diameter: f64 = positive(Dimension::LENGTH).required(),
+        inner_diameter: f64 = positive(Dimension::LENGTH).required(),
+        length: f64 = positive(Dimension::LENGTH).required(),
+        remanence: f64 = positive(Dimension::MAGNETIC_FLUX_DENSITY).required(),
+        remanence_coefficient: f64 = quantity(Dimension::PER_TEMPERATURE, Bound::Any).required(),
+        reference_temperature: f64 = positive(Dimension::TEMPERATURE).required(),
+        curie_temperature: f64 = positive(Dimension::TEMPERATURE),
+        sphere_diameter: f64 = positive(Dimension::LENGTH).required(),
+        sphere_saturation: f64 = positive(Dimension::MAGNETIC_FLUX_DENSITY).required(),
+    }
 }
 
-/// Names of the magnets that ship with the program.
+table! {
+    /// A measured force over distance.
+    pub struct TableKeys<'a> {
+        measured: Vec<TableReader<'a>> = list_of(&[PointKeys::KEYS]),
+    }
+}
+
+table! {
+    /// One of `[[measured]]`.
+    pub struct PointKeys<'a> {
+        distance: f64 = quantity(Dimension::LENGTH, Bound::Any).required(),
+        force: f64 = quantity(Dimension::FORCE, Bound::Any).required(),
+    }
+}
+
+table! {
+    /// A magnet's file beside the magnet itself.
+    struct FileKeys<'a> {
+        force: f64 = quantity(Dimension::FORCE, Bound::FORCE),
+        // A suggestion: the scene decides.
+        particle: u32 = count(1, 1_000_000),
+    }
+}
+
+/// Names of the included magnets.
 pub fn names() -> Vec<&'static str> {
     crate::data::instrument_names("magnets")
 }
 
-/// Loads a magnet that ships with the program, by name, or a file, by path.
+/// Loads an included magnet, by name, or a file, by path.
 ///
 /// # Errors
-/// [`MagnetError`]: no such magnet, not readable, or every problem found in its file.
-pub fn load(name: &str) -> Result<Magnet, MagnetError> {
-    let node = match library::open("magnets", name) {
-        Ok(Some(node)) => node,
-        Ok(None) => return Err(MagnetError::Unknown { name: name.to_owned(), shipped: names() }),
-        Err(SceneError::Problems(problems)) => return Err(MagnetError::Problems(problems)),
-        Err(error) => return Err(MagnetError::Read(error)),
-    };
+/// [`SceneError`]: no such magnet, not readable, or every problem found in its file.
+pub fn load(name: &str) -> Result<Magnet, SceneError> {
+    const WHAT: &str = "the magnet's file";
+    let node = library::open("magnets", Path::new(name)).map_err(|error| error.in_file(WHAT))?;
+    let node = node.ok_or_else(|| library::no_instrument("magnets", name))?;
     let problems = Problems::default();
-    let magnet = read(name, &node, &problems);
-    let problems = problems.into_sorted();
-    match magnet {
-        Some(magnet) if problems.is_empty() => Ok(magnet),
-        _ => Err(MagnetError::Problems(problems)),
-    }
+    let keys = &[FileKeys::KEYS, RingKeys::KEYS, TableKeys::KEYS];
+    let magnet = TableReader::of(&node, "", keys, &problems).and_then(|table| read(name, &table));
+    problems.finish(magnet).map_err(|problems| SceneError::InFile { what: WHAT, problems })
 }
 
-fn read(name: &str, node: &Node, problems: &Problems) -> Option<Magnet> {
-    let table = TableReader::of(node, "", problems)?;
-    let source = table.text("source").unwrap_or_default().to_owned();
-    // Which particle it pulls is the scene's business; a file may suggest one.
-    let _ = table.count("particle", 1, 1_000_000);
+fn read(name: &str, table: &TableReader<'_>) -> Option<Magnet> {
+    let file = FileKeys::read(table);
     let found: Vec<&str> = KINDS.into_iter().filter(|key| table.has(key)).collect();
     let law = match found.as_slice() {
-        ["force"] => {
-            let force = table.required("force", Dimension::FORCE, Bound::NotNegative);
-            force.map(ForceLaw::Constant)
-        }
-        ["outer_diameter" | "measured"] => law(&table),
+        ["force"] => file.force.map(ForceLaw::Constant),
+        ["outer_diameter" | "measured"] => law(table),
         _ => {
-            for key in KINDS {
-                let _ = table.node(key);
-            }
             let expected = "one of force, outer_diameter and measured";
             table.problem("", format!("{} of them", found.len()), expected);
             return None;
         }
     };
-    table.finish();
-    Some(Magnet { name: name.to_owned(), source, law: law? })
+    let source = table.node("source").and_then(|node| node.as_text()).unwrap_or_default();
+    Some(Magnet { name: name.to_owned(), source: source.to_owned(), law: law? })
 }
 
 /// A ring or a measured table.
@@ -86,42 +93,33 @@ pub(super) fn law(table: &TableReader<'_>) -> Option<ForceLaw> {
 }
 
 fn ring(table: &TableReader<'_>) -> Option<ForceLaw> {
-    let positive = Bound::Positive;
-    let length = |key| table.required(key, Dimension::LENGTH, positive);
-    let (outer, inner) = (length("outer_diameter"), length("inner_diameter"));
-    if let (Some(outer), Some(inner)) = (outer, inner)
+    let keys = RingKeys::read(table);
+    if let (Some(outer), Some(inner)) = (keys.outer_diameter, keys.inner_diameter)
         && inner >= outer
     {
         table.problem("inner_diameter", format!("{inner} m"), format!("less than {outer} m"));
     }
-    let (along, sphere) = (length("length"), length("sphere_diameter"));
-    let flux = |key| table.required(key, Dimension::MAGNETIC_FLUX_DENSITY, positive);
-    let (remanence, saturation) = (flux("remanence"), flux("sphere_saturation"));
-    let coefficient =
-        table.required("remanence_coefficient", Dimension::PER_TEMPERATURE, Bound::Any);
-    let reference = table.required("reference_temperature", Dimension::TEMPERATURE, positive);
     let ring = RingMagnet {
-        inner_radius: 0.5 * inner?,
-        outer_radius: 0.5 * outer?,
-        length: along?,
-        remanence: remanence?,
-        temperature_coefficient: coefficient?,
-        reference_temperature: reference?,
+        inner_radius: 0.5 * keys.inner_diameter?,
+        outer_radius: 0.5 * keys.outer_diameter?,
+        length: keys.length?,
+        remanence: keys.remanence?,
+        temperature_coefficient: keys.remanence_coefficient?,
+        reference_temperature: keys.reference_temperature?,
+        curie_temperature: keys.curie_temperature.unwrap_or(f64::INFINITY),
     };
-    Some(ForceLaw::Ring(ring, Sphere { radius: 0.5 * sphere?, saturation: saturation? }))
+    let radius = 0.5 * keys.sphere_diameter?;
+    Some(ForceLaw::Ring(ring, Sphere { radius, saturation: keys.sphere_saturation? }))
 }
 
 fn measured(table: &TableReader<'_>) -> Option<ForceLaw> {
-    let rows = table.list("measured");
-    let count = rows.len();
+    let rows = TableKeys::read(table).measured?;
     let mut points = Vec::new();
-    for row in rows {
-        let distance = row.required("distance", Dimension::LENGTH, Bound::Any);
-        let force = row.required("force", Dimension::FORCE, Bound::Any);
-        row.finish();
-        points.extend(distance.zip(force));
+    for row in &rows {
+        let point = PointKeys::read(row);
+        points.extend(point.distance.zip(point.force));
     }
-    if points.len() < count {
+    if points.len() < rows.len() {
         return None;
     }
     match ForceTable::new(&points) {

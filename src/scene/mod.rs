@@ -1,72 +1,69 @@
-//! From the file as typed to a bench that can run, or to the list of everything wrong with it.
+//! Reads a scene file into a checked [`Scene`], or the list of all problems in it.
 //!
-//! First half of the program's door: `cli` names a scene, `experiment` runs what comes out.
-//! [`document`] keeps places, [`reader`] collects problems, `library` finds files and merges what
-//! they stand on, `bodies`, `effects`, `sensors`, `bench` and `oscilloscope` know the keys.
+//! [`document`] is a tree of values with their places, `library` finds files and merges them,
+//! [`table`] declares keys and reads values, `bodies`, `effects`, `sensors`, `panel` and
+//! `oscilloscope` declare their tables and make the domain's types of them. Everything that shows,
+//! varies or checks a path uses the same declarations.
 
 pub mod adjust;
-mod bench;
 mod bodies;
-mod bound;
 mod distance;
+#[doc(hidden)]
 pub mod document;
 mod effects;
-mod files;
+#[doc(hidden)]
 pub mod grid;
+#[doc(hidden)]
+pub mod help;
 mod library;
-mod losses;
-mod magnet_preload;
+#[doc(hidden)]
 pub mod magnets;
-mod model;
 mod oscilloscope;
+mod panel;
 pub mod plan;
-pub mod plates;
 pub mod problem;
+#[doc(hidden)]
+pub mod problems;
+#[doc(hidden)]
 pub mod random_inputs;
-pub mod reader;
+#[doc(hidden)]
 pub mod resolved;
-mod sensors;
+mod root;
+pub mod sensors;
 mod shot;
-mod taper;
-mod tree;
+#[doc(hidden)]
+pub mod table;
 mod uncertainty;
-pub mod vary;
 
-pub use bench::load as input_load;
 pub use distance::{PlatePlace, Site, distance};
-pub use files::{Texts, hexadecimal};
-pub use library::require;
+pub use library::{Texts, hexadecimal, require};
+pub use panel::load as input_load;
 pub use problem::{Problem, SceneError};
-pub use sensors::PlacedSensor;
-pub use sensors::gain_u;
+pub use root::{DEFAULT_ACCURACY, FRAMES, LOOSEST_ACCURACY, TIGHTEST_ACCURACY};
+pub use sensors::{PlacedSensor, gain_u};
 pub use uncertainty::{InputDistribution, SpreadAmount, UncertainInput};
+
+use std::path::Path;
 
 use crate::chain::{Chain, ChainSpec, End};
 use crate::note::Note;
-use crate::quantity::{Dimension, engineering};
-use crate::scope::{Model, Setup};
+use crate::quantity::engineering;
+use crate::scope::{Deviation, Model, Setup};
 use crate::sensor::SensorTolerance;
-use bench::CachedPanel;
-use bodies::Materials;
-use problem::MISSING;
-use reader::{Bound, Problems, TableReader};
+use bodies::{ChainKeys, Materials};
+use effects::Effects;
+use oscilloscope::ModelKeys;
+use panel::{CachedPanel, PanelKeys};
+use problems::Problems;
+use root::RootKeys;
+use sensors::PlaceKeys;
+use table::TableReader;
 
-/// Accuracy of a scene that names none: relative error of first-peak forces and times (1).
-pub const DEFAULT_ACCURACY: f64 = 1e-6;
-/// Tightest accuracy that double precision supports over a whole run (1).
-pub const TIGHTEST_ACCURACY: f64 = 1e-11;
-/// Loosest accuracy that still deserves the name (1).
-pub const LOOSEST_ACCURACY: f64 = 0.1;
 /// Acceleration by which the weight of a chain without gravity is judged (m/s^2).
 const FREE_FALL: f64 = 9.81;
 /// A chain whose weight is more than this share of what presses its last contact is noted if
 /// gravity is off (1).
 const NOTED_WEIGHT_SHARE: f64 = 0.1;
-/// Largest seed that a scene may name: whole numbers up to here are exact however a file is read.
-const MAX_SEED: u64 = (1 << 53) - 1;
-/// How many frames of a run may be kept, and how many are.
-pub const FRAMES: std::ops::RangeInclusive<u32> = 2..=50_000;
-const DEFAULT_FRAMES: u32 = 200;
 
 /// A checked scene: everything a run needs.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,7 +74,7 @@ pub struct Scene {
     pub title: String,
     /// The file as typed.
     pub text: String,
-    /// All texts that went into it.
+    /// Its text, those of its bases and instruments, and those of constants.
     pub texts: Texts,
     /// The description of the chain.
     pub spec: ChainSpec,
@@ -113,33 +110,32 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Loads a scene that ships with the program, by name, or a file, by path.
+    /// Loads an included scene, by name, or a file, by path.
     ///
     /// # Errors
     /// [`SceneError`]: no such scene, not readable, or every problem found in it.
-    pub fn load(name: &str) -> Result<Self, SceneError> {
-        Self::checked(with_merged(library::load(name)?), None)
+    pub fn load(name: impl AsRef<Path>) -> Result<Self, SceneError> {
+        Self::checked(with_merged(library::load(name.as_ref())?), None)
     }
 
     /// The text of scene `name`, an included one or a path, with its base and every default.
     ///
     /// # Errors
     /// As [`Scene::load`].
-    pub fn resolved(name: &str) -> Result<String, SceneError> {
-        Self::load(name)?;
-        resolved::resolved(name)
+    pub fn resolved(name: impl AsRef<Path>) -> Result<String, SceneError> {
+        Self::load(name.as_ref())?;
+        resolved::resolved(name.as_ref())
     }
 
-    /// Reads a scene that came as text, such as the one that travels with a recording, as `file`.
+    /// Reads a scene that came as text, such as the one in a recording, as `file`.
     ///
     /// # Errors
-    /// As [`Scene::load`]; also where it stands on a file of another machine.
+    /// As [`Scene::load`]; also if it is based on a file of another machine.
     pub fn from_text(name: &str, file: &str, text: &str) -> Result<Self, SceneError> {
         Self::checked(with_merged(library::load_text(name, file, text)?), None)
     }
 
-    /// Checks what was loaded; the front panel is `panel` where nothing has changed that it depends
-    /// on.
+    /// Checks a loaded scene; the front panel is `panel` if nothing that it depends on has changed.
     fn checked(
         mut loaded: library::LoadedScene,
         panel: Option<&CachedPanel>,
@@ -148,41 +144,33 @@ impl Scene {
         problems.extend(std::mem::take(&mut loaded.problems));
         let above = loaded.root.text("base").map(|_| loaded.root.place.file().to_owned());
         let scene = read(loaded, &problems, panel);
-        let mut problems = problems.into_sorted();
-        if let Some(file) = above {
-            for problem in &mut problems {
-                problem.stands_below(&file);
+        problems.finish(scene).map_err(|mut problems| {
+            if let Some(file) = above {
+                for problem in &mut problems {
+                    problem.mention_base(&file);
+                }
             }
-        }
-        match scene {
-            Some(scene) if problems.is_empty() => Ok(scene),
-            _ => Err(SceneError::Problems(problems)),
-        }
+            SceneError::Problems(problems)
+        })
     }
 
-    /// Names of the scenes that ship with the program.
+    /// Names of the included scenes.
     pub fn names() -> Vec<&'static str> {
         crate::data::instrument_names("scenes")
     }
 }
 
-/// The oscilloscope of the data file `name`, an embedded one or a path.
+/// The oscilloscope of the data file `name`, an included one or a path.
 ///
 /// # Errors
 /// [`SceneError`]: no such file, or every problem found in it.
 pub fn oscilloscope(name: &str) -> Result<Model, SceneError> {
-    library::require("", name)?;
-    let text = format!("[scope]\nmodel = {name:?}\n");
-    let mut loaded = library::load_text(name, name, &text)?;
+    let node = library::open("", Path::new(name))?;
+    let node = node.ok_or_else(|| library::no_instrument("", name))?;
     let problems = Problems::default();
-    problems.extend(std::mem::take(&mut loaded.problems));
-    let scope = TableReader::of(&loaded.root, "", &problems).and_then(|root| root.table("scope"));
-    let model = scope.as_ref().and_then(oscilloscope::model);
-    let problems = problems.into_sorted();
-    match model {
-        Some(model) if problems.is_empty() => Ok(model),
-        _ => Err(SceneError::Problems(problems)),
-    }
+    let table = TableReader::of(&node, "", &[PanelKeys::KEYS, ModelKeys::KEYS], &problems);
+    let model = table.and_then(|table| oscilloscope::model(&table));
+    problems.finish(model).map_err(SceneError::Problems)
 }
 
 /// Adds the merged scene, which travels with recordings.
@@ -198,21 +186,21 @@ fn read(
     panel: Option<&CachedPanel>,
 ) -> Option<Scene> {
     let library::LoadedScene { name, text, texts, root, .. } = loaded;
-    let root = TableReader::of(&root, "", problems)?;
-    let _ = root.text("base");
-    let title = root.text("title").unwrap_or(&name).to_owned();
-    let duration = root.required("duration", Dimension::TIME, Bound::Positive);
-    let frames = root.count("frames", u64::from(*FRAMES.start()), u64::from(*FRAMES.end()));
-    let accuracy = accuracy(&root);
-    let seed = root.count("seed", 0, MAX_SEED).unwrap_or(0);
-    let moving = moving(&root, problems);
-    let uncertainty = uncertainty::uncertainty(&root, problems);
+    let keys = RootKeys::read(&TableReader::of(&root, "", &[RootKeys::KEYS], problems)?);
+    let root = &keys.table;
+    let title = keys.title.unwrap_or(&name).to_owned();
+    let uncertainty = uncertainty::uncertainty(root, keys.uncertainty);
+    let tables = keys.sensors.as_deref().unwrap_or_default();
+    let places: Vec<_> =
+        tables.iter().map(|(name, table)| (*name, PlaceKeys::read(table))).collect();
+    let moving = moving(&keys, &places);
+    let effects = moving.effects;
     let hosts = sensors::SensorHosts { kinds: &moving.kinds, wall: moving.wall };
-    let mut sensors = sensors::sensors(&root, &hosts, problems);
+    let mut sensors = sensors::sensors(root, &places, &hosts);
     for sensor in sensors.iter_mut().filter(|sensor| sensor.site != Site::Wall) {
         sensor.offset_u = uncertainty::of_offset(&uncertainty, &sensor.name, sensor.offset);
     }
-    if let Some(tolerance) = &moving.sensor_tolerance {
+    if let Some(tolerance) = &effects.sensor_tolerance {
         for placed in &sensors {
             if let Some(missing) = tolerance.missing(&placed.sensor) {
                 let found = format!("a tolerance for {}, which is measured", placed.name);
@@ -220,14 +208,21 @@ fn read(
             }
         }
     }
-    let errors_of = moving.scope_errors.then_some(seed);
-    let scope = bench::drawn(&root, (moving.noise, errors_of), duration, panel);
-    let averages = scope.as_ref().is_some_and(|scope| scope.acquisition.depth() > 1);
-    if let (true, Some(table)) = (averages && moving.spread.is_some(), root.table("scope")) {
-        let found = "\"average\" of impacts whose speeds differ";
-        table.problem("acquisition", found, "\"sample\", or no effects.striker_speed_spread");
+    let scope = keys.scope.as_ref().and_then(|table| {
+        let setup = panel::setup(table, keys.sensors.as_ref(), keys.duration, panel)?;
+        if setup.acquisition.depth() > 1 && effects.spread.is_some() {
+            let found = "\"average\" of impacts whose speeds differ";
+            let expected = "\"sample\", or no effects.striker_speed_spread";
+            table.problem("acquisition", found, expected);
+        }
+        Some(setup)
+    });
+    let mut scope = Setup { noise: effects.noise, ..scope? };
+    for (number, channel) in (1..).zip(&mut scope.channels) {
+        if let (true, Some(channel)) = (effects.scope_errors, channel) {
+            channel.deviation = Deviation::drawn(keys.seed?, number);
+        }
     }
-    root.finish();
     let (spec, chain) = moving.built?;
     Some(Scene {
         name,
@@ -237,118 +232,85 @@ fn read(
         spec,
         chain,
         initial_velocities: moving.initial_velocities,
-        striker_speed_spread: moving.spread,
+        striker_speed_spread: effects.spread,
         sensors,
-        scope: scope?,
-        duration: duration?,
-        frames: frames.map_or(DEFAULT_FRAMES, |frames| frames as u32),
-        accuracy,
-        seed,
-        auto: moving.auto,
+        scope,
+        duration: keys.duration?,
+        frames: keys.frames?,
+        accuracy: keys.accuracy?,
+        seed: keys.seed?,
+        auto: effects.auto,
         notes: moving.notes,
-        sensor_tolerance: moving.sensor_tolerance,
+        sensor_tolerance: effects.sensor_tolerance,
         uncertainty,
     })
-}
-
-/// The accuracy, or else [`DEFAULT_ACCURACY`] (1).
-fn accuracy(root: &TableReader<'_>) -> f64 {
-    let bound = Bound::Within(TIGHTEST_ACCURACY, LOOSEST_ACCURACY);
-    root.quantity("accuracy", Dimension::NONE, bound).unwrap_or(DEFAULT_ACCURACY)
 }
 
 /// The bodies, as far as they could be read.
 struct Moving<'a> {
     kinds: Vec<&'a str>,
     wall: bool,
-    noise: f64,
-    scope_errors: bool,
-    sensor_tolerance: Option<SensorTolerance>,
-    spread: Option<f64>,
-    auto: Vec<&'static str>,
+    effects: Effects,
     initial_velocities: Vec<f64>,
     built: Option<(ChainSpec, Chain)>,
     notes: Vec<Note>,
 }
 
-fn moving<'a>(root: &TableReader<'a>, problems: &Problems) -> Moving<'a> {
-    let materials = Materials::read(root, problems);
-    let striker = bodies::striker(root, &materials);
-    if !root.has("chain") {
-        root.problem("chain", MISSING, "[chain] with top, bottom and segments");
-    }
-    let table = root.table("chain");
-    let mut particles = bodies::particles(root, table.as_ref(), &materials);
+fn moving<'a>(keys: &RootKeys<'a>, places: &[(&str, PlaceKeys<'_>)]) -> Moving<'a> {
+    let root = &keys.table;
+    let materials = Materials::read(keys.materials.as_deref().unwrap_or_default());
+    let striker = keys.striker.as_ref().and_then(|table| bodies::striker(table, &materials));
+    let chain = keys.chain.as_ref().map(ChainKeys::read);
+    let kinds = keys.particles.as_deref().unwrap_or_default();
+    let mut particles = bodies::particles(kinds, chain.as_ref(), &materials);
     let count = particles.kinds.len();
-    for (particle, mass) in sensors::host_masses(root, count) {
+    for (particle, mass) in sensors::host_masses(places, count) {
         if let Some(body) = particles.bodies.get_mut(particle - 1) {
             body.mass = mass;
         }
     }
-    let end = |key| table.as_ref().and_then(|table| bodies::end(table, key, &materials));
-    let (top, bottom) = (end("top"), end("bottom"));
-    if let Some(table) = &table {
-        bodies::no_preload_at_the_bottom(table);
+    let end = |key, node| bodies::end(&chain.as_ref()?.table, key, node, &materials);
+    let top = end("top", chain.as_ref().and_then(|chain| chain.top));
+    let bottom = end("bottom", chain.as_ref().and_then(|chain| chain.bottom));
+    if let Some(chain) = &chain {
+        bodies::no_preload_at_the_bottom(chain);
     }
-    let effects = root.table("effects");
     // An end that could not be read may be a wall.
     let walls = [&top, &bottom].map(|e| e.is_none_or(|(end, _)| matches!(end, End::Wall(_))));
     let pairs = bodies::pairs(&particles.kinds, striker.is_some(), walls);
-    let mut effects_spec = effects::effects(effects.as_ref(), count, &pairs);
-    let switches = effects.as_ref().map(effects::switches).unwrap_or_default();
-    effects::switch(&mut effects_spec, &switches);
-    let on = |name| !effects::is_off(&switches, name);
-    let noise = effects.as_ref().and_then(effects::scope_noise);
-    let noise = noise.filter(|_| on("scope_noise")).unwrap_or(0.0);
-    let scope_errors = effects.as_ref().is_some_and(effects::scope_errors) && on("scope_errors");
-    let tolerance = effects.as_ref().and_then(effects::sensor_tolerance);
-    let sensor_tolerance = tolerance.filter(|_| on("sensor_tolerance"));
-    let spread = effects.as_ref().and_then(|e| effects::striker_speed_spread(e, root));
-    let spread = spread.filter(|_| on("striker_speed_spread"));
-    let initial_velocities = bodies::initial_velocities(root, striker.as_ref(), count);
+    let read = |table| effects::effects(table, root.has("striker"), count, &pairs);
+    let effects = keys.effects.as_ref().map(read).unwrap_or_default();
+    let velocities = keys.initial_velocities.as_deref().unwrap_or_default();
+    let initial_velocities = bodies::initial_velocities(root, velocities, striker.as_ref(), count);
     // A kind that could not be read has already left its problem; half a chain would only add
     // echoes of it.
     let whole =
         particles.bodies.len() == count && count > 0 && (striker.is_some() || !root.has("striker"));
-    let built = match (&table, top, bottom) {
-        (Some(table), Some((top, preload)), Some((bottom, _))) if whole => {
+    let built = match (&chain, top, bottom) {
+        (Some(chain), Some((top, preload)), Some((bottom, _))) if whole => {
             let spec = ChainSpec {
                 striker: striker.map(|s| s.body),
                 particles: particles.bodies,
                 top,
                 bottom,
                 wall_preload: preload,
-                effects: effects_spec,
+                effects: effects.spec.clone(),
             };
-            bodies::assemble(&spec, table, effects.as_ref()).map(|chain| (spec, chain))
+            let magnet = keys.effects.as_ref().and_then(effects::magnet_table);
+            bodies::assemble(&spec, &chain.table, magnet.as_ref()).map(|chain| (spec, chain))
         }
         _ => None,
     };
     let mut notes = materials.into_notes();
-    if effects.as_ref().is_none_or(|effects| !effects.has("gravity")) {
+    if keys.effects.as_ref().is_none_or(|effects| !effects.has("gravity")) {
         notes.extend(built.as_ref().and_then(|(_, chain)| weightless(chain)));
-    }
-    for table in table.into_iter().chain(effects) {
-        table.finish();
     }
     // An end that could not be read is a problem already; a sensor at it adds no other.
     let wall = bottom.is_none_or(|(bottom, _)| matches!(bottom, End::Wall(_)));
-    Moving {
-        kinds: particles.kinds,
-        wall,
-        noise,
-        scope_errors,
-        sensor_tolerance,
-        spread,
-        auto: effects::left_to_accuracy(&switches),
-        initial_velocities,
-        built,
-        notes,
-    }
+    Moving { kinds: particles.kinds, wall, effects, initial_velocities, built, notes }
 }
 
-/// The note on a chain that stands on a wall without gravity, though its weight would add to what
-/// presses it.
+/// The note on a chain on a wall without gravity, if its weight would matter to its last contact.
 fn weightless(chain: &Chain) -> Option<Note> {
     let contact = chain.contacts().get(chain.wall_contact()?)?;
     let particles = chain.bodies().iter().skip(usize::from(chain.has_striker()));

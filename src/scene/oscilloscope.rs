@@ -1,12 +1,15 @@
-//! An oscilloscope's data file, `instruments/<model>.toml`: the limits that a front panel is
-//! checked against.
+//! An oscilloscope's data file, `instruments/MODEL.toml`, and the checks of a front panel against
+//! it.
 
-use super::model;
-use super::model::{MAX_RECORD_LENGTH, series};
-use super::reader::{Bound, TableReader};
+use super::table::{Bound, FromTable, TableReader};
+use super::table::{count, not_negative, positive, quantity, series, table, table_of, text};
 use crate::quantity::{Dimension, engineering};
 use crate::scope::Model;
-use crate::scope::model::nearest;
+use crate::scope::limits::vertical_reach;
+use crate::scope::model::{Accuracy, FftLaw, KnobLimits, nearest};
+
+/// Most points of a record: those of a scope of any make.
+const MAX_RECORD_LENGTH: u64 = 1_000_000;
 /// Most events that a remote interface may keep.
 const MAX_QUEUE_LENGTH: u64 = 1000;
 /// A time base that puts fewer points than this on the scene's duration shows nothing of it (1).
@@ -16,92 +19,154 @@ const MAX_SAMPLES: f64 = 2e7;
 /// Rounding error of a division by the probe's attenuation (1).
 const ROUND_OFF: f64 = 1e-12;
 
-/// Reads the keys of an oscilloscope's data file. Every key is asked for before anything is given
-/// up, so that all that is wrong is told at once and nothing right is called unknown.
-pub fn model(table: &TableReader<'_>) -> Option<Model> {
-    let what = "the name of an oscilloscope, e.g. \"tds2014\"";
-    let named = table.required_text("model", what).is_some();
-    // Without a model every key of its file would be missing: once is enough.
-    let number = if named { TableReader::required } else { TableReader::quantity };
-    let count = if named { TableReader::required_count } else { TableReader::count };
-    let text =
-        |key| if named { table.required_text(key, "text in quotes") } else { table.text(key) };
-    let list = |key, dimension| series(table, key, dimension, named);
-    let positive = |key, dimension| number(table, key, dimension, Bound::Positive);
-    let (name, serial) = (text("name"), text("serial"));
-    let (firmware, interface) = (text("firmware"), text("interface"));
-    let record_length = count(table, "record_length", 2, MAX_RECORD_LENGTH);
-    let channels = count(table, "channels", 1, 4);
-    let bandwidth = positive("bandwidth", Dimension::FREQUENCY);
-    let limited_bandwidth = positive("limited_bandwidth", Dimension::FREQUENCY);
-    let sample_rate = positive("sample_rate", Dimension::FREQUENCY);
-    let horizontal_divisions = positive("horizontal_divisions", Dimension::DIVISION);
-    let vertical_scales = list("vertical_scales", Dimension::VOLTAGE_PER_DIVISION);
-    let time_bases = list("time_bases", Dimension::TIME_PER_DIVISION);
-    let probes = list("probes", Dimension::NONE);
-    let position_step = positive("position_step", Dimension::DIVISION);
-    let input_resistance = positive("input_resistance", Dimension::RESISTANCE);
-    let input_capacitance = positive("input_capacitance", Dimension::CAPACITANCE);
-    let probe_resistance = positive("probe_resistance", Dimension::RESISTANCE);
-    let probe_capacitance = positive("probe_capacitance", Dimension::CAPACITANCE);
-    let ac_corner = positive("ac_corner", Dimension::FREQUENCY);
-    let trigger_range = positive("trigger_range", Dimension::DIVISION);
-    let trigger_hysteresis =
-        number(table, "trigger_hysteresis", Dimension::DIVISION, Bound::NotNegative);
-    let high_frequency_reject = positive("high_frequency_reject", Dimension::FREQUENCY);
-    let low_frequency_reject = positive("low_frequency_reject", Dimension::FREQUENCY);
-    let external_trigger_range = positive("external_trigger_range", Dimension::VOLTAGE);
-    let line_frequency = positive("line_frequency", Dimension::FREQUENCY);
-    let full_bandwidth_from = positive("full_bandwidth_from", Dimension::VOLTAGE_PER_DIVISION);
-    let peak_width = positive("peak_width", Dimension::TIME);
-    let scan_from = positive("scan_from", Dimension::TIME_PER_DIVISION);
-    let scan_gap = positive("scan_gap", Dimension::DIVISION);
-    let event_queue = count(table, "event_queue", 2, MAX_QUEUE_LENGTH);
-    if !named {
-        return None;
+/// Words about a table of the file that is missing.
+const PART: &str = "a table of the oscilloscope's data file";
+
+table! {
+    /// The data file beside its name in `model`.
+    pub ModelKeys => Model {
+        name = text(),
+        serial = text(),
+        firmware = text(),
+        interface = text(),
+        record_length = count(2, MAX_RECORD_LENGTH),
+        channels = count(1, 4),
+        bandwidth = positive(Dimension::FREQUENCY),
+        limited_bandwidth = positive(Dimension::FREQUENCY),
+        sample_rate = positive(Dimension::FREQUENCY),
+        horizontal_divisions = positive(Dimension::DIVISION),
+        vertical_scales = series(Dimension::VOLTAGE_PER_DIVISION),
+        time_bases = series(Dimension::TIME_PER_DIVISION),
+        probes = series(Dimension::NONE),
+        position_step = positive(Dimension::DIVISION),
+        input_resistance = positive(Dimension::RESISTANCE),
+        input_capacitance = positive(Dimension::CAPACITANCE),
+        probe_resistance = positive(Dimension::RESISTANCE),
+        probe_capacitance = positive(Dimension::CAPACITANCE),
+        ac_corner = positive(Dimension::FREQUENCY),
+        trigger_range = positive(Dimension::DIVISION),
+        trigger_hysteresis = not_negative(Dimension::DIVISION),
+        high_frequency_reject = positive(Dimension::FREQUENCY),
+        low_frequency_reject = positive(Dimension::FREQUENCY),
+        external_trigger_range = positive(Dimension::VOLTAGE),
+        line_frequency = positive(Dimension::FREQUENCY),
+        full_bandwidth_from = positive(Dimension::VOLTAGE_PER_DIVISION),
+        peak_width = positive(Dimension::TIME),
+        scan_from = positive(Dimension::TIME_PER_DIVISION),
+        scan_gap = positive(Dimension::DIVISION),
+        event_queue = count(2, MAX_QUEUE_LENGTH),
+        limits "scope_limits" =
+            table_of(&[LimitKeys::KEYS]).needs(PART),
+        accuracy = table_of(&[AccuracyKeys::KEYS]).needs(PART),
+        fft = table_of(&[FftKeys::KEYS]).needs(PART),
     }
-    let (limits, accuracy) = (model::limits(table), model::accuracy(table));
-    let fft = model::fft(table, record_length);
-    Some(Model {
-        name: name?.to_owned(),
-        serial: serial?.to_owned(),
-        firmware: firmware?.to_owned(),
-        interface: interface?.to_owned(),
-        channels: u8::try_from(channels?).ok()?,
-        bandwidth: bandwidth?,
-        limited_bandwidth: limited_bandwidth?,
-        sample_rate: sample_rate?,
-        record_length: usize::try_from(record_length?).ok()?,
-        horizontal_divisions: horizontal_divisions?,
-        vertical_scales: vertical_scales?,
-        time_bases: time_bases?,
-        probes: probes?,
-        position_step: position_step?,
-        input_resistance: input_resistance?,
-        input_capacitance: input_capacitance?,
-        probe_resistance: probe_resistance?,
-        probe_capacitance: probe_capacitance?,
-        ac_corner: ac_corner?,
-        trigger_range: trigger_range?,
-        trigger_hysteresis: trigger_hysteresis?,
-        high_frequency_reject: high_frequency_reject?,
-        low_frequency_reject: low_frequency_reject?,
-        external_trigger_range: external_trigger_range?,
-        line_frequency: line_frequency?,
-        full_bandwidth_from: full_bandwidth_from?,
-        peak_width: peak_width?,
-        scan_from: scan_from?,
-        scan_gap: scan_gap?,
-        event_queue: usize::try_from(event_queue?).ok()?,
-        limits: limits?,
-        accuracy: accuracy?,
-        fft: fft?,
-    })
 }
 
-/// A time base that the instrument does not have or that shows nothing of the scene is a mistake,
-/// not a setting; so is a record that begins after the scene or ends before it. `window`: time base
-/// (s/div) and horizontal position (s), if read.
+table! {
+    /// `[scope_limits]`.
+    pub struct LimitKeys<'a> {
+        near_offset: f64 = positive(Dimension::VOLTAGE).required(),
+        near_offset_until: f64 = positive(Dimension::VOLTAGE_PER_DIVISION).required(),
+        far_offset: f64 = positive(Dimension::VOLTAGE).required(),
+        earliest_position: f64 = positive(Dimension::DIVISION).required(),
+        latest_positions_until: Vec<f64> = series(Dimension::TIME_PER_DIVISION).required(),
+        latest_positions: Vec<f64> = series(Dimension::TIME).required(),
+        holdoff: (f64, f64) = series(Dimension::TIME).required(),
+        pulse_width: (f64, f64) = series(Dimension::TIME).required(),
+        pulse_guard_band: f64 = positive(Dimension::TIME).required(),
+        averages: Vec<f64> = series(Dimension::NONE).required(),
+    }
+}
+
+table! {
+    /// `[accuracy]`.
+    pub AccuracyKeys => Accuracy {
+        gain = not_negative(Dimension::NONE),
+        low_scale_gain = not_negative(Dimension::NONE),
+        low_scale_until = not_negative(Dimension::VOLTAGE_PER_DIVISION),
+        offset = not_negative(Dimension::DIVISION),
+        input_offset = not_negative(Dimension::VOLTAGE),
+    }
+}
+
+table! {
+    /// `[fft]`.
+    pub struct FftKeys<'a> {
+        points: usize = count(4, MAX_RECORD_LENGTH).required(),
+        level: f64 = positive(Dimension::NONE).required(),
+        reference: f64 = quantity(Dimension::NONE, Bound::Any).required(),
+        lowest_level: f64 = quantity(Dimension::NONE, Bound::Any).required(),
+        slow_from: f64 = positive(Dimension::TIME_PER_DIVISION).required(),
+        slow_rate: (f64, f64) = series(Dimension::NONE).required(),
+    }
+}
+
+impl FromTable<'_> for KnobLimits {
+    fn from_table(table: &TableReader<'_>) -> Option<Self> {
+        LimitKeys::read(table).limits()
+    }
+}
+
+impl FromTable<'_> for FftLaw {
+    fn from_table(table: &TableReader<'_>) -> Option<Self> {
+        FftKeys::read(table).law()
+    }
+}
+
+impl LimitKeys<'_> {
+    fn limits(self) -> Option<KnobLimits> {
+        let (until, latest) = (self.latest_positions_until?, self.latest_positions?);
+        if until.len() != latest.len() {
+            let found = format!("{} positions", latest.len());
+            let expected = format!("{}, one for each of latest_positions_until", until.len());
+            self.table.problem("latest_positions", found, expected);
+        }
+        Some(KnobLimits {
+            near_offset: self.near_offset?,
+            near_offset_until: self.near_offset_until?,
+            far_offset: self.far_offset?,
+            earliest_position: self.earliest_position?,
+            latest_positions: until.into_iter().zip(latest).collect(),
+            holdoff: self.holdoff?,
+            pulse_width: self.pulse_width?,
+            pulse_guard_band: self.pulse_guard_band?,
+            averages: self.averages?.into_iter().map(|number| number.round() as u32).collect(),
+        })
+    }
+}
+
+impl FftKeys<'_> {
+    /// The law of spectra.
+    fn law(self) -> Option<FftLaw> {
+        let points = self.points.filter(|points| points.is_power_of_two());
+        if let (Some(points), None) = (self.points, points) {
+            self.table.problem("points", points.to_string(), "a power of two");
+        }
+        let (less, more) = self.slow_rate?;
+        Some(FftLaw {
+            points: points?,
+            level: self.level?,
+            reference: self.reference?,
+            lowest_level: self.lowest_level?,
+            slow_from: self.slow_from?,
+            slow_rate: more / less,
+        })
+    }
+}
+
+/// The model of a scope in `table`.
+pub fn model(table: &TableReader<'_>) -> Option<Model> {
+    let model = ModelKeys::read(table)?;
+    if model.fft.points > model.record_length {
+        let expected = format!("at most the {} points of a record", model.record_length);
+        table.problem("fft", format!("{} points of a spectrum", model.fft.points), expected);
+    }
+    Some(model)
+}
+
+/// Refuses a time base that the instrument does not have or that shows nothing of the scene, and a
+/// record that begins after the scene or ends before it. `window`: time base (s/div) and horizontal
+/// position (s), if read.
 pub fn check_window(
     table: &TableReader<'_>,
     model: &Model,
@@ -159,6 +224,13 @@ pub fn check_vertical(table: &TableReader<'_>, model: &Model, knobs: (f64, Optio
         let volts = |scale: f64| engineering(scale, "V/div", 3);
         let range = format!("{} to {} through this probe", volts(low * probe), volts(high * probe));
         table.problem("scale", volts(scale), range);
+    }
+    let reach = scale.map_or(f64::INFINITY, |scale| vertical_reach(model, scale, probe));
+    if position.abs() > reach {
+        let reach = (1e4 * reach).round() / 1e4;
+        let expected = format!("a position within {reach} div at this scale");
+        table.problem("position", format!("{position} div"), expected);
+        return;
     }
     let steps = position / model.position_step;
     if (steps - steps.round()).abs() > 1e-9 * steps.abs().max(1.0) {

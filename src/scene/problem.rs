@@ -1,6 +1,5 @@
 //! Problems of a scene with their places, all reported at once.
 
-use std::cell::RefCell;
 use std::fmt::{self, Write as _};
 
 /// The text found where a required key is missing.
@@ -11,7 +10,7 @@ pub(super) const MISSING: &str = "no such key";
 pub struct Problem {
     /// File, or the name of an embedded one.
     pub file: String,
-    /// Line, counted from 1.
+    /// Line, counted from 1; 0 if it concerns the whole file.
     pub line: usize,
     /// Column in characters, counted from 1.
     pub column: usize,
@@ -26,6 +25,9 @@ pub struct Problem {
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { file, line, column, key, found, expected } = self;
+        if *line == 0 {
+            return write!(f, "{file}: {found}");
+        }
         write!(f, "{file}:{line}:{column}: ")?;
         if found == MISSING {
             return write!(f, "missing `{key}`: give {expected}");
@@ -48,10 +50,11 @@ impl fmt::Display for Problem {
 }
 
 impl Problem {
-    /// Says where a problem in the base of the scene `file` may come from: what stands there fits
-    /// the base itself.
-    pub(super) fn stands_below(&mut self, file: &str) {
-        if self.file != file {
+    /// Says that a problem in the base of the scene `file` may come from changes in `file`:
+    /// the base
+    /// alone may be right.
+    pub(super) fn mention_base(&mut self, file: &str) {
+        if self.file != file && self.line > 0 {
             let end = if self.expected.is_empty() { &mut self.found } else { &mut self.expected };
             let _ = write!(end, " (base of {file}, whose changes may not fit here)");
         }
@@ -102,6 +105,22 @@ pub enum SceneError {
         /// Those there are.
         known: Vec<&'static str>,
     },
+    /// A file of the command line that is not there.
+    #[error("found `{name}`, which is no file, expected the path of {what}")]
+    NoFile {
+        /// The path as typed.
+        name: String,
+        /// What is expected, with an example.
+        what: &'static str,
+    },
+    /// A file that is no scene is wrong in at least one place.
+    #[error("{}", listed(.problems, what))]
+    InFile {
+        /// The kind of file, `the plan`.
+        what: &'static str,
+        /// What is wrong.
+        problems: Vec<Problem>,
+    },
     /// A file or folder that is no scene.
     #[error(
         "{name} is no scene, which is a .toml file; a simulated recording carries its scene (`hertzscope info`)"
@@ -113,6 +132,16 @@ pub enum SceneError {
     /// The text is wrong in at least one place.
     #[error("{}", list(.0))]
     Problems(Vec<Problem>),
+}
+
+impl SceneError {
+    /// The error with its problems ascribed to `what`, the file of a kind.
+    pub(super) fn in_file(self, what: &'static str) -> Self {
+        match self {
+            Self::Problems(problems) => Self::InFile { what, problems },
+            error => error,
+        }
+    }
 }
 
 /// What `name` may have been meant for, as the end of a sentence.
@@ -130,32 +159,20 @@ fn list(problems: &[Problem]) -> String {
 /// All problems of `what`, one a line, and how many there are.
 pub(super) fn listed(problems: &[Problem], what: &str) -> String {
     let mut lines: Vec<String> = problems.iter().map(ToString::to_string).collect();
-    let count = problems.len();
+    let count = problems.iter().filter(|problem| problem.line > 0).count();
     lines.push(format!("{count} problem{} in {what}", if count == 1 { "" } else { "s" }));
     lines.join("\n")
 }
 
-/// The problems found so far.
-#[derive(Debug, Default)]
-pub struct Problems(RefCell<Vec<Problem>>);
-
-impl Problems {
-    /// Adds one.
-    pub fn push(&self, problem: Problem) {
-        self.0.borrow_mut().push(problem);
-    }
-
-    /// Adds several.
-    pub fn extend(&self, problems: Vec<Problem>) {
-        self.0.borrow_mut().extend(problems);
-    }
-
-    /// All of them, in the order of file and place; none twice.
-    pub fn into_sorted(self) -> Vec<Problem> {
-        let mut problems = self.0.into_inner();
-        let key = |p: &Problem| (p.file.clone(), p.line, p.column, p.key.clone());
-        problems.sort_by_key(key);
-        problems.dedup();
-        problems
-    }
+/// `"a"`, or the first of many names, for messages.
+pub(super) fn one_of<T: AsRef<str>>(names: impl IntoIterator<Item = T>) -> String {
+    let mut names = names.into_iter();
+    let first: Vec<T> = names.by_ref().take(MAX_NAMES).collect();
+    let first: Vec<&str> = first.iter().map(AsRef::as_ref).collect();
+    let more = names.count();
+    let rest = if more == 0 { String::new() } else { format!(" and {more} more") };
+    format!("one of {}{rest}", first.join(", "))
 }
+
+/// Most names that a message lists.
+const MAX_NAMES: usize = 50;

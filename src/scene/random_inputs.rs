@@ -1,5 +1,4 @@
-//! The inputs of an uncertain scene: what varies, by how much, and the scene with other values of
-//! them.
+//! The inputs of an uncertain scene, their distributions, and the scene with other values of them.
 //!
 //! Each input is one number, or the numbers of a group, and has a score: how far it is from the
 //! middle of its distribution, in its standard uncertainties.
@@ -9,7 +8,7 @@ use serde::{Serialize, Serializer};
 use super::adjust::{AdjustError, Adjustable, AdjustableNumber};
 use super::{InputDistribution, Scene, SceneError, SpreadAmount, UncertainInput};
 use crate::numeric::intervals::normal_quantile;
-use crate::quantity::{Dimension, engineering, parse_any};
+use crate::quantity::{Difference, Dimension, engineering};
 use crate::scope::Deviation;
 
 /// What is wrong with a scene's `[uncertainty]`.
@@ -24,20 +23,6 @@ pub enum RandomInputsError {
         path: String,
         /// What is wrong.
         error: AdjustError,
-    },
-    /// An uncertainty in another unit than its value's.
-    #[error(
-        "{typed}: uncertainty.{path}: {found} for a value in {expected}: give it in {expected}, or as a share, e.g. \"1 %\""
-    )]
-    Unit {
-        /// File and line.
-        typed: String,
-        /// The path.
-        path: String,
-        /// The uncertainty's dimension.
-        found: Dimension,
-        /// The value's unit.
-        expected: String,
     },
     /// Limits that leave out the scene's own value.
     #[error("{typed}: uncertainty.{path}: the scene's own value {value} lies outside its limits")]
@@ -73,7 +58,8 @@ pub struct RandomInput {
 
 /// Writes the SI unit of a quantity that is stated in `unit`.
 fn as_si<S: Serializer>(unit: &str, serializer: S) -> Result<S::Ok, S::Error> {
-    let dimension = parse_any(&format!("1 {unit}")).map_or(Dimension::NONE, |(_, d)| d);
+    let read: Result<Difference, _> = format!("1 {unit}").parse();
+    let dimension = read.map_or(Dimension::NONE, |one| one.dimension);
     let is_plain = unit.is_empty() || dimension == Dimension::NONE;
     let si = if is_plain { String::new() } else { dimension.unit() };
     serializer.serialize_str(&si)
@@ -99,7 +85,7 @@ impl RandomInputs {
     /// Those that `adjustable` states, and that its sensors' files and its scope's data sheet do.
     ///
     /// # Errors
-    /// [`RandomInputsError`] for paths that name nothing, and for uncertainties in another unit.
+    /// [`RandomInputsError`] for paths that name nothing, and limits without the value.
     pub fn of(adjustable: &mut Adjustable) -> Result<Self, RandomInputsError> {
         let scene = adjustable.scene()?;
         let mut inputs = Self::default();
@@ -115,7 +101,6 @@ impl RandomInputs {
             }
             for number in adjustable.knobs(&input.path).map_err(wrong)? {
                 if input.distribution.standard(number.value) > 0.0 {
-                    check_unit(input, &number)?;
                     check_limits(input, &number)?;
                     inputs.add(input, &number);
                 }
@@ -240,27 +225,6 @@ fn value_at(number: &AdjustableNumber, spread: InputDistribution, score: f64) ->
         InputDistribution::Normal(_) | InputDistribution::Even(_) => number.value,
     };
     middle + score * spread.standard(number.value)
-}
-
-fn check_unit(input: &UncertainInput, number: &AdjustableNumber) -> Result<(), RandomInputsError> {
-    let dimension = parse_any(&format!("1 {}", number.unit)).map_or(Dimension::NONE, |(_, d)| d);
-    let stated = match input.distribution {
-        InputDistribution::Normal(SpreadAmount::Absolute(_, found))
-        | InputDistribution::Even(SpreadAmount::Absolute(_, found))
-        | InputDistribution::Between(_, _, found) => Some(found),
-        InputDistribution::Normal(SpreadAmount::Share(_))
-        | InputDistribution::Even(SpreadAmount::Share(_)) => None,
-    };
-    match stated.filter(|found| *found != dimension) {
-        Some(found) => Err(RandomInputsError::Unit {
-            typed: input.typed.clone(),
-            path: input.path.clone(),
-            found,
-            expected: if number.unit.is_empty() { "plain numbers" } else { &number.unit }
-                .to_owned(),
-        }),
-        None => Ok(()),
-    }
 }
 
 fn check_limits(

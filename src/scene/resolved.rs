@@ -1,31 +1,31 @@
-//! A scene with its base and every default, as a scene again: what `hertzscope show` prints.
-//!
-//! Defaults are those of the annotated scene `instruments/help/scene.toml`: lines whose comment
-//! begins with `default`, followed by the value where that is another than the line's. Tests hold
-//! that the result is the same scene.
+//! A scene with its base and every default, as a scene again: the output of `hertzscope show`, and
+//! the merged scene in recordings. Defaults and order of keys are those of their declarations.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
+use std::path::Path;
 use std::rc::Rc;
 
-use super::document::{DISTRIBUTION_KEYS, Entries, Entry, Node, Value};
+use super::document::{
+    DISTRIBUTION_KEYS, Entries, Entry, Node, Value, at, at_mut, inline, put, quoted_key,
+};
+use super::effects::{EffectsKeys, LOSS_KEYS};
 use super::library::{self, LoadedScene};
 use super::problem::SceneError;
-use super::tree;
-use crate::data;
+use super::root::RootKeys;
+use super::table::{Keys, Kind, keys_at};
 
-/// File of a value that no file says.
+/// File of a value that no file has.
 const DEFAULT: &str = "default";
 
-/// The scene `name`, one that ships or a path, as a scene that stands on none.
+/// The scene `name`, an included one or a path, as a scene without a base.
 ///
 /// # Errors
-/// [`SceneError`] if there is no such scene, or its text is not TOML; its values are not checked.
-pub fn resolved(name: &str) -> Result<String, SceneError> {
+/// [`SceneError`] if there is no such scene, or its text is no TOML; its values are not checked.
+pub(super) fn resolved(name: &Path) -> Result<String, SceneError> {
     let LoadedScene { name, mut root, .. } = library::load(name)?;
     let own = root.place.file().to_owned();
-    let keys = documented_keys();
-    let model = root_text(&root, &["scope", "model"]);
+    let model = model_of(&root);
     if let Some(entries) = root.entries_mut() {
         entries.remove("base");
     }
@@ -33,23 +33,16 @@ pub fn resolved(name: &str) -> Result<String, SceneError> {
     if let Some(model) = &model {
         remove_model_numbers(&mut root, model);
     }
-    for key in keys.iter().filter(|key| key.default.is_some()) {
-        add_default(&mut root, &key.table, key);
+    if let Ok(default) = Node::parse(DEFAULT, "") {
+        add_defaults(&mut root, &[RootKeys::KEYS], &default);
     }
     let mut page = format!("# {name}, with its base and every default\n");
-    let writer = Writer { own, keys };
-    writer.table(&mut page, &[], &root);
-    let on = tree::at(&root, &["effects"]);
-    let off: BTreeSet<&str> = writer
-        .keys
-        .iter()
-        .filter_map(|key| match key.table.as_slice() {
-            // That of a described magnet is on without a table.
-            ["effects", effect] if *effect != tree::ANY && *effect != "magnet_law" => Some(*effect),
-            _ => None,
-        })
-        .filter(|effect| on.is_none_or(|on| tree::at(on, &[effect]).is_none()))
-        .collect();
+    Writer { own }.table(&mut page, &[], &root);
+    let is_there = |effect: &str| at(&root, &["effects", effect]).is_some();
+    let effects = EffectsKeys::KEYS.iter().chain(LOSS_KEYS).map(|key| key.name);
+    // That of a described magnet is on without a table.
+    let off = effects.filter(|effect| *effect != "magnet_law" && !is_there(effect));
+    let off: BTreeSet<&str> = off.collect();
     if !off.is_empty() {
         let names: Vec<&str> = off.into_iter().collect();
         let _ = writeln!(page, "\n# effects without a table are off: {}", names.join(", "));
@@ -62,12 +55,12 @@ pub fn resolved(name: &str) -> Result<String, SceneError> {
 
 /// A scene with everything it is based on, as a scene that is based on no other file.
 ///
-/// Models that ship with the program keep their names; of those from other files the numbers stay.
-/// None for a scope from another file: its numbers are read from a scope's file only.
+/// Models that are included in the program keep their names; of those from other files the numbers
+/// stay. None for a scope from another file: its numbers are read from a scope's file only.
 pub(super) fn merged(loaded: &LoadedScene) -> Option<String> {
     let mut root = loaded.root.clone();
     let own = root.place.file().to_owned();
-    let scope = root_text(&root, &["scope", "model"]);
+    let scope = model_of(&root);
     if let Some(entries) = root.entries_mut() {
         entries.remove("base");
     }
@@ -80,135 +73,66 @@ pub(super) fn merged(loaded: &LoadedScene) -> Option<String> {
     }
     library::remove_other_models(&mut root);
     let mut page = format!("# {}, with everything it is based on\n", loaded.name);
-    Writer { own, keys: documented_keys() }.table(&mut page, &[], &root);
+    Writer { own }.table(&mut page, &[], &root);
     Some(page)
 }
 
-/// The annotated scene with every key.
-pub fn annotated_scene() -> &'static str {
-    data::instrument("help", "scene").unwrap_or_default()
-}
-
-/// The annotated plan of a calibration with every key.
-pub fn annotated_plan() -> &'static str {
-    data::instrument("help", "plan").unwrap_or_default()
-}
-
-/// A key of the annotated scene.
-struct DocumentedKey {
-    /// Path of its table; `*` is every name.
-    table: Vec<&'static str>,
-    name: &'static str,
-    /// Its default as TOML.
-    default: Option<&'static str>,
-}
-
-/// Every key of the annotated scene in its order, those of alternatives included.
-fn documented_keys() -> Vec<DocumentedKey> {
-    let mut table: Vec<&'static str> = Vec::new();
-    let mut keys = Vec::new();
-    for line in annotated_scene().lines() {
-        let line = line.strip_prefix("# ").unwrap_or(line);
-        let header = line.strip_prefix('[').and_then(|rest| rest.split_once(']'));
-        if let Some((path, _)) = header {
-            table = path.trim_matches('[').split('.').collect();
-            if let ["particles" | "materials" | "sensors", name] | ["effects", name @ "NAME"] =
-                &mut table[..]
-            {
-                *name = tree::ANY;
-            }
-            keys.push(DocumentedKey { table: table.clone(), name: "", default: None });
-            continue;
-        }
-        let Some((name, rest)) = line.split_once(" = ") else { continue };
-        if name.contains(|c: char| !c.is_ascii_alphanumeric() && !"_.\"*".contains(c)) {
-            continue;
-        }
-        let (value, comment) = rest.split_once(" # ").unwrap_or((rest, ""));
-        let default = comment.trim().strip_prefix(DEFAULT).and_then(|words| {
-            let end = words.find([';', ':']).unwrap_or(words.len());
-            match (words[..end].trim(), words[end..].starts_with(':')) {
-                ("", false) => Some(value.trim()),
-                ("", true) => None,
-                (stated, _) => Some(stated),
-            }
-        });
-        keys.push(DocumentedKey { table: table.clone(), name, default });
-    }
-    keys
-}
-
-/// Puts the default of `key` into every table at `path` below `node` that lacks it.
-fn add_default(node: &mut Node, path: &[&str], key: &DocumentedKey) {
-    match (&mut node.value, path) {
-        (Value::List(items), _) => {
-            for item in Rc::make_mut(items) {
-                add_default(item, path, key);
-            }
-        }
-        (Value::Table(entries), []) => {
+/// Puts the defaults of `keys` into the table `node`, and those of keys below; `default` has their
+/// place.
+fn add_defaults(node: &mut Node, keys: Keys, default: &Node) {
+    let Some(entries) = node.entries_mut() else { return };
+    let is_wall = entries.get("wall").is_some_and(|e| matches!(e.node.value, Value::Flag(true)));
+    for key in keys.iter().flat_map(|keys| keys.iter()) {
+        let Some(entry) = entries.get_mut(key.name) else {
             // A sensor at the wall has no offset.
-            let is_wall =
-                entries.get("wall").is_some_and(|e| matches!(e.node.value, Value::Flag(true)));
-            if entries.contains_key(key.name) || (is_wall && key.name == "offset") {
-                return;
+            let value = key.default_value().filter(|_| !(is_wall && key.name == "offset"));
+            if let Some(value) = value {
+                let node = Node { place: default.place.clone(), value };
+                let entry = Entry { key_place: default.place.clone(), node };
+                entries.insert(Rc::from(key.name), entry);
             }
-            let line = format!("{} = {}", key.name, key.default.unwrap_or_default());
-            if let Ok(Node { value: Value::Table(default), .. }) = Node::parse(DEFAULT, &line) {
-                Rc::make_mut(entries).extend((*default).clone());
+            continue;
+        };
+        let node = &mut entry.node;
+        match (key.kind, &mut node.value) {
+            (Kind::Tables(_), Value::Table(tables)) => {
+                for entry in Rc::make_mut(tables).values_mut() {
+                    add_defaults(&mut entry.node, key.below(), default);
+                }
             }
+            (Kind::List(_), Value::List(items)) => {
+                for item in Rc::make_mut(items) {
+                    add_defaults(item, key.below(), default);
+                }
+            }
+            _ => add_defaults(node, key.below(), default),
         }
-        (Value::Table(entries), [first, rest @ ..]) => {
-            // Channels are alike.
-            let is_meant = |name: &str| match *first {
-                tree::ANY => true,
-                "ch1" => name.len() == 3 && name.starts_with("ch"),
-                first => name == first,
-            };
-            let below = Rc::make_mut(entries).iter_mut().filter(|(name, _)| is_meant(name));
-            below.for_each(|(_, entry)| add_default(&mut entry.node, rest, key));
-        }
-        _ => {}
-    }
-}
-
-fn root_text(root: &Node, path: &[&str]) -> Option<String> {
-    match &tree::at(root, path)?.value {
-        Value::Text(text) => Some(text.to_string()),
-        _ => None,
     }
 }
 
 /// Puts the numbers of all materials that are named into `[materials]`.
 fn add_materials(root: &mut Node) {
     let mut named = Vec::new();
-    collect_materials(root, &mut named);
+    library::each_constant(root, &mut |kind, name, file| {
+        if kind == "materials" {
+            named.push((name.to_owned(), file.clone()));
+        }
+    });
     for (name, below) in named {
-        if tree::at(root, &["materials", &name]).is_none() {
-            tree::put(root, &["materials", &name], below);
+        if at(root, &["materials", &name]).is_none() {
+            put(root, &["materials", &name], below);
         }
     }
 }
 
-fn collect_materials(node: &Node, named: &mut Vec<(String, Node)>) {
-    match &node.value {
-        Value::Table(entries) => {
-            for key in ["material", "wall"] {
-                let Some((name, place)) = node.text(key) else { continue };
-                if let Ok(file) = library::instrument("materials", name, place, key) {
-                    named.push((name.to_owned(), (*file).clone()));
-                }
-            }
-            entries.values().for_each(|entry| collect_materials(&entry.node, named));
-        }
-        Value::List(items) => items.iter().for_each(|item| collect_materials(item, named)),
-        _ => {}
-    }
+/// The name of the scope's model.
+fn model_of(root: &Node) -> Option<String> {
+    at(root, &["scope", "model"]).and_then(Node::as_text).map(str::to_owned)
 }
 
-/// Takes out what the scope's file says: its model brings that back.
+/// Removes the numbers of the scope's file: its model brings them back.
 fn remove_model_numbers(root: &mut Node, model: &str) {
-    let Some(scope) = tree::at_mut(root, &["scope"]) else { return };
+    let Some(scope) = at_mut(root, &["scope"]) else { return };
     let Ok(file) = library::instrument("", model, &scope.place.clone(), "") else { return };
     if let Some(entries) = scope.entries_mut() {
         entries.retain(|_, entry| entry.node.place.file() != file.place.file());
@@ -219,7 +143,6 @@ fn remove_model_numbers(root: &mut Node, model: &str) {
 struct Writer {
     /// The scene's own file.
     own: String,
-    keys: Vec<DocumentedKey>,
 }
 
 impl Writer {
@@ -231,13 +154,13 @@ impl Writer {
             flatten(entries, &mut Vec::new(), &mut flat);
         } else {
             flat.extend(
-                self.sorted(path, entries)
+                sorted(path, entries)
                     .into_iter()
                     .filter(|(_, entry)| is_inline(path, &entry.node))
                     .map(|(name, entry)| (quoted_key(name), entry)),
             );
         }
-        let deeper = self.sorted(path, entries);
+        let deeper = sorted(path, entries);
         let deeper = deeper.iter().filter(|(_, e)| !is_uncertainty && !is_inline(path, &e.node));
         if !path.is_empty() && (!flat.is_empty() || entries.is_empty()) {
             let _ = writeln!(page, "\n[{}]", joined(path));
@@ -250,7 +173,7 @@ impl Writer {
                     for item in &**items {
                         let Value::Table(keys) = &item.value else { continue };
                         let _ = writeln!(page, "\n[[{}]]", joined(&below));
-                        let keys = self.sorted(&below, keys);
+                        let keys = sorted(&below, keys);
                         let keys = keys.into_iter().map(|(name, e)| (quoted_key(name), e));
                         self.lines(page, &keys.collect::<Vec<_>>());
                     }
@@ -271,28 +194,21 @@ impl Writer {
             };
         }
     }
-
-    /// The entries in the order of the annotated scene.
-    fn sorted<'e>(&self, path: &[&str], entries: &'e Entries) -> Vec<(&'e str, &'e Entry)> {
-        let fits = |pattern: &str, name: &str| {
-            pattern == name || pattern == tree::ANY || (pattern == "ch1" && name.starts_with("ch"))
-        };
-        let place = |name: &str| {
-            let is = |key: &DocumentedKey| {
-                let of_table = key.table.len() == path.len() && key.name == name;
-                let below = key.table.len() > path.len()
-                    && key.table.get(path.len()).is_some_and(|part| fits(part, name));
-                (of_table || below) && path.iter().zip(&key.table).all(|(p, part)| fits(part, p))
-            };
-            self.keys.iter().position(is).unwrap_or(usize::MAX)
-        };
-        let mut sorted: Vec<_> = entries.iter().map(|(name, entry)| (&**name, entry)).collect();
-        sorted.sort_by_key(|(name, _)| place(name));
-        sorted
-    }
 }
 
-/// Whether a value stands on the line of its key.
+/// The entries in the order of their declarations.
+fn sorted<'e>(path: &[&str], entries: &'e Entries) -> Vec<(&'e str, &'e Entry)> {
+    let keys = keys_at(&[RootKeys::KEYS], path);
+    let place = |name: &str| {
+        let mut keys = keys.iter().flat_map(|keys| keys.iter());
+        keys.position(|key| key.name == name).unwrap_or(usize::MAX)
+    };
+    let mut sorted: Vec<_> = entries.iter().map(|(name, entry)| (&**name, entry)).collect();
+    sorted.sort_by_key(|(name, _)| place(name));
+    sorted
+}
+
+/// Whether a value is written on the line of its key.
 fn is_inline(path: &[&str], node: &Node) -> bool {
     match &node.value {
         Value::Table(_) => path.first() == Some(&"chain"),
@@ -301,7 +217,7 @@ fn is_inline(path: &[&str], node: &Node) -> bool {
     }
 }
 
-/// Paths of `[uncertainty]`, each with what it says.
+/// Paths of `[uncertainty]`, each with its entry.
 fn flatten<'e>(entries: &'e Entries, above: &mut Vec<String>, flat: &mut Vec<(String, &'e Entry)>) {
     for (name, entry) in entries {
         above.push(quoted_key(name));
@@ -315,35 +231,6 @@ fn flatten<'e>(entries: &'e Entries, above: &mut Vec<String>, flat: &mut Vec<(St
         }
         above.pop();
     }
-}
-
-/// A value on one line.
-fn inline(node: &Node) -> String {
-    match &node.value {
-        Value::Text(text) => quoted(text),
-        Value::Number { typed, .. } => typed.to_string(),
-        Value::Flag(flag) => flag.to_string(),
-        Value::Date(date) => date.to_string(),
-        Value::List(items) => {
-            format!("[{}]", items.iter().map(inline).collect::<Vec<_>>().join(", "))
-        }
-        Value::Table(entries) => {
-            let pair = |(name, entry): (&Rc<str>, &Entry)| {
-                format!("{} = {}", quoted_key(name), inline(&entry.node))
-            };
-            format!("{{ {} }}", entries.iter().map(pair).collect::<Vec<_>>().join(", "))
-        }
-    }
-}
-
-/// A TOML basic string: JSON's escapes are among TOML's.
-fn quoted(text: &str) -> String {
-    serde_json::Value::from(text).to_string()
-}
-
-fn quoted_key(name: &str) -> String {
-    let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-    if !name.is_empty() && name.chars().all(is_bare) { name.to_owned() } else { quoted(name) }
 }
 
 fn joined(path: &[&str]) -> String {

@@ -1,4 +1,5 @@
-//! A shot's data from its scene: circuits, velocities, and the scene with other knobs.
+//! A shot's data from its scene: circuits, velocities, distances, and the scene with other settings
+//! of the striker and the magnet.
 
 use std::borrow::Cow;
 
@@ -15,8 +16,7 @@ use crate::sensor::{Circuit, Load};
 const STRIKER_STREAM: u8 = 5;
 
 impl Scene {
-    /// The circuit that sensor `index` really forms with `channel`'s input: with a tolerance, not
-    /// the one its data tell.
+    /// The circuit that sensor `index` forms with `channel`'s input, its tolerance included.
     pub fn circuit(&self, index: usize, channel: &ChannelSetup) -> Option<Circuit> {
         self.circuit_into(index, input_load(&self.scope.model, channel))
     }

@@ -1,13 +1,24 @@
-//! `[uncertainty]`: what a scene does not know exactly, each number by its path.
+//! `[uncertainty]`: the inputs of a scene that are not known exactly, each number by its path.
 //!
-//! A text or number is a standard uncertainty; a table says a distribution (`standard`,
+//! A text or number is a standard uncertainty; a table has a distribution (`standard`,
 //! `half_width`, or `between`), a `group` of inputs that vary together, and a `source`. `%` and
 //! `ppm` are shares of the value, everything else is in the value's own unit.
 
-use super::document::{DISTRIBUTION_KEYS, Entries, Node, Value};
-use super::reader::{Problems, TableReader};
-use super::tree::ANY;
-use crate::quantity::{Dimension, parse_any_difference};
+use super::document::{ANY, DISTRIBUTION_KEYS, Entries, Node, Value};
+use super::root::RootKeys;
+use super::table::{Places, Problems, TableReader, any, key_at, table, text, texts};
+use crate::quantity::{Difference, Dimension, Quantity};
+
+table! {
+    /// A distribution of an input.
+    struct DistributionKeys<'a> {
+        standard: &'a Node = any(&[]),
+        half_width: &'a Node = any(&[]),
+        between: Places<'a> = texts(),
+        /// inputs of one group vary together
+        group: &'a str = text(),
+    }
+}
 
 /// How far a value may be off: a share of it, or in its own unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,13 +66,13 @@ pub struct UncertainInput {
 }
 
 /// Reads `[uncertainty]`.
-pub fn uncertainty(root: &TableReader<'_>, problems: &Problems) -> Vec<UncertainInput> {
+pub fn uncertainty(root: &TableReader<'_>, node: Option<&Node>) -> Vec<UncertainInput> {
     let mut found = Vec::new();
-    if let Some(node) = root.node("uncertainty") {
+    if let Some(node) = node {
         match &node.value {
             Value::Table(entries) => {
                 let own = root.place_of("").file();
-                collect(entries, "", (root.entries, own, problems), &mut found);
+                collect(entries, "", (root.entries, own, root.problems()), &mut found);
             }
             _ => root.problem("uncertainty", node.describe(), "a table [uncertainty]"),
         }
@@ -108,7 +119,8 @@ fn collect(
             collect(inner, &path, (scene, own, problems), found);
             continue;
         }
-        if !is_known(scene, &path.split('.').collect::<Vec<_>>()) {
+        let keys: Vec<&str> = path.split('.').collect();
+        if !is_known(scene, &keys) {
             // The base scene's, of a number that this scene has replaced.
             if node.place.file() != own {
                 continue;
@@ -119,16 +131,31 @@ fn collect(
             } else {
                 "the path of a number of the scene, e.g. striker.speed; keys below a [table] belong to it, those of the scene itself stand above the first one"
             };
-            let nothing = format!("nothing at `{path}` in the scene");
-            problems.push(node.place.problem(&key, nothing, expected.to_owned()));
-        } else if let Value::Table(_) = &node.value {
-            found.extend(distribution(node, &path, problems));
+            problems.push(&node.place, &key, format!("nothing at `{path}` in the scene"), expected);
+            continue;
+        }
+        let read = if node.is_table() {
+            distribution(node, &path, problems)
         } else {
             let amount = amount(node, &path, problems);
-            let normal = |amount| input(node, &path, InputDistribution::Normal(amount));
-            found.extend(amount.map(normal));
+            amount.map(|amount| input(node, &path, InputDistribution::Normal(amount)))
+        };
+        let Some(read) = read else { continue };
+        let expected = key_at(&[RootKeys::KEYS], &keys).and_then(|key| key.dimension());
+        match (read.distribution.dimension(), expected) {
+            (Some(found), Some(expected)) if found != expected => {
+                let found = format!("`{}` is {found}", typed(node));
+                let expected = format!("{expected} or a share of the value, e.g. \"1 %\"");
+                problems.push(&node.place, &format!("uncertainty.{path}"), found, expected);
+            }
+            _ => found.push(read),
         }
     }
+}
+
+/// A value as typed, for messages.
+fn typed(node: &Node) -> String {
+    node.as_text().map_or_else(|| super::document::inline(node), str::to_owned)
 }
 
 fn input(node: &Node, path: &str, distribution: InputDistribution) -> UncertainInput {
@@ -137,62 +164,66 @@ fn input(node: &Node, path: &str, distribution: InputDistribution) -> UncertainI
     UncertainInput { path: path.to_owned(), distribution, group: None, source: None, typed }
 }
 
-/// A standard uncertainty or half width, zero or more.
-fn amount(node: &Node, path: &str, problems: &Problems) -> Option<SpreadAmount> {
-    let read = match &node.value {
-        Value::Number { value, .. } => Some((*value, Dimension::NONE)),
-        Value::Text(text) => parse_any_difference(text).ok(),
-        _ => None,
+/// A standard uncertainty or half width: `%` and `ppm` are shares of the value. `None` if it is
+/// negative, more than the value, or no number.
+pub(super) fn spread_amount(node: &Node) -> Option<SpreadAmount> {
+    let (value, dimension, is_share) = match &node.value {
+        Value::Number { value, .. } => (*value, Dimension::NONE, false),
+        Value::Text(text) => {
+            let Difference { value, dimension } = text.parse().ok()?;
+            let text = text.trim_end();
+            (value, dimension, text.ends_with('%') || text.ends_with("ppm"))
+        }
+        _ => return None,
     };
-    let is_share = |text: &str| text.trim_end().ends_with('%') || text.trim_end().ends_with("ppm");
-    let share = matches!(&node.value, Value::Text(text) if is_share(text));
-    match read {
-        Some((value, _)) if value >= 0.0 && share => Some(SpreadAmount::Share(value)),
-        Some((value, dimension)) if value >= 0.0 && value.is_finite() => {
-            Some(SpreadAmount::Absolute(value, dimension))
-        }
-        _ => {
-            let expected = "a standard uncertainty of zero or more, a share or in the value's unit, e.g. \"1 %\"";
-            let key = format!("uncertainty.{path}");
-            problems.push(node.place.problem(&key, node.describe(), expected.to_owned()));
-            None
-        }
+    match (value >= 0.0 && value.is_finite(), is_share) {
+        (true, true) if value <= 1.0 => Some(SpreadAmount::Share(value)),
+        (true, false) => Some(SpreadAmount::Absolute(value, dimension)),
+        _ => None,
     }
+}
+
+fn amount(node: &Node, path: &str, problems: &Problems) -> Option<SpreadAmount> {
+    let amount = spread_amount(node);
+    if amount.is_none() {
+        let expected = "a standard uncertainty of zero or more, in the value's unit or as a share of at most 100 %, e.g. \"1 %\"";
+        problems.push(&node.place, &format!("uncertainty.{path}"), node.describe(), expected);
+    }
+    amount
 }
 
 fn distribution(node: &Node, path: &str, problems: &Problems) -> Option<UncertainInput> {
     let key = format!("uncertainty.{path}");
-    let table = TableReader::of(node, &key, problems)?;
+    let table = TableReader::of(node, &key, &[DistributionKeys::KEYS], problems)?;
+    let keys = DistributionKeys::read(&table);
     let given: Vec<&str> = DISTRIBUTION_KEYS.into_iter().filter(|width| table.has(width)).collect();
     if given.len() > 1 {
         table.problem(given[1], format!("both {} and {}", given[0], given[1]), "one of them");
     }
-    let width = |key| amount(table.node(key)?, path, problems);
-    let distribution = if table.has("standard") {
-        width("standard").map(InputDistribution::Normal)
-    } else if table.has("half_width") {
-        width("half_width").map(InputDistribution::Even)
-    } else {
-        between(&table)
+    let distribution = match (keys.standard, keys.half_width) {
+        (Some(node), _) => amount(node, path, problems).map(InputDistribution::Normal),
+        (None, Some(node)) => amount(node, path, problems).map(InputDistribution::Even),
+        (None, None) => between(&table, keys.between.as_deref().unwrap_or_default()),
     };
-    let (group, source) = (table.text("group"), table.text("source"));
-    let found = distribution.map(|distribution| UncertainInput {
-        group: group.map(str::to_owned),
+    let source = table.node("source").and_then(Node::as_text);
+    distribution.map(|distribution| UncertainInput {
+        group: keys.group.map(str::to_owned),
         source: source.map(str::to_owned),
         ..input(node, path, distribution)
-    });
-    table.finish();
-    found
+    })
 }
 
 /// `between = ["2.2 N", "2.5 N"]`.
-fn between(table: &TableReader<'_>) -> Option<InputDistribution> {
-    let texts = table.texts("between");
-    let read: Vec<_> =
-        texts.iter().filter_map(|(text, _)| crate::quantity::parse_any(text).ok()).collect();
+fn between(
+    table: &TableReader<'_>,
+    texts: &[(&str, &super::document::SourceLocation)],
+) -> Option<InputDistribution> {
+    let read: Vec<Quantity> = texts.iter().filter_map(|(text, _)| text.parse().ok()).collect();
     match read.as_slice() {
-        [(low, one), (high, other)] if low < high && one == other && texts.len() == 2 => {
-            Some(InputDistribution::Between(*low, *high, *one))
+        [low, high]
+            if low.value < high.value && low.dimension == high.dimension && texts.len() == 2 =>
+        {
+            Some(InputDistribution::Between(low.value, high.value, low.dimension))
         }
         _ => {
             let found = texts.iter().map(|(text, _)| *text).collect::<Vec<_>>().join(", ");
@@ -211,6 +242,16 @@ pub fn of_offset(inputs: &[UncertainInput], name: &str, offset: f64) -> f64 {
 }
 
 impl InputDistribution {
+    /// Dimension of its limits or width; none if that is a share of the value.
+    fn dimension(self) -> Option<Dimension> {
+        match self {
+            Self::Normal(SpreadAmount::Absolute(_, dimension))
+            | Self::Even(SpreadAmount::Absolute(_, dimension))
+            | Self::Between(_, _, dimension) => Some(dimension),
+            Self::Normal(SpreadAmount::Share(_)) | Self::Even(SpreadAmount::Share(_)) => None,
+        }
+    }
+
     /// Standard deviation about `value` (unit).
     pub fn standard(self, value: f64) -> f64 {
         match self {

@@ -34,7 +34,7 @@ pub fn condition(
     let model = &setup.model;
     let vertical = &channel.vertical;
     let mut signal = match vertical.coupling {
-        // A set-up that does not tell leaves the input as it is.
+        // An unknown coupling leaves the input as it is.
         Some(Coupling::Dc) | None => volts.to_vec(),
         Some(Coupling::Ac) => high_pass(volts, interval * TAU * ac_corner(model, vertical.probe)),
         Some(Coupling::Ground) => vec![0.0; volts.len()],

@@ -73,7 +73,7 @@ words! {
         VerticalBars = "VBArs",
     }
 
-    /// How the distance between vertical bars is told.
+    /// Unit of the distance between vertical bars.
     BarUnits {
         /// As a time.
         Seconds = "SECOnds",
@@ -499,7 +499,7 @@ impl Panel {
         }
     }
 
-    /// The factory set-up with all that `setup` tells; channels that it leaves off are off.
+    /// The factory set-up with the settings of `setup`; channels that are off there are off.
     pub fn of(setup: &Setup) -> Self {
         let mut panel = Self::factory(&setup.model);
         for (number, channel) in (1..).zip(&setup.channels) {

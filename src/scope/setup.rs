@@ -185,7 +185,7 @@ impl Default for AcquireSetup {
 
 /// Part of the shortest pulse between samples that still shows nearly all of its height (1).
 const SHARE_OF_PEAK: f64 = 0.25;
-/// Most samples that peak detection looks at for one point.
+/// Maximum number of samples per point in peak detection (1).
 const MAX_SAMPLES_PER_POINT: f64 = 100.0;
 
 /// The edge trigger.

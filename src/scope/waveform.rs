@@ -88,13 +88,13 @@ impl fmt::Display for Coupling {
 pub struct VerticalSetup {
     /// Vertical scale, probe included (V/div).
     pub scale: f64,
-    /// Where zero volts stands, upward from the screen's centre (div).
+    /// Position of zero volts, upward from the screen's centre (div).
     pub position: f64,
-    /// Input coupling; `None` where a file does not tell.
+    /// Input coupling; `None` if a file does not state it.
     pub coupling: Option<Coupling>,
-    /// Whether the 20 MHz limiter is on; `None` where a file does not tell.
+    /// Whether the 20 MHz limiter is on; `None` if a file does not state it.
     pub bandwidth_limited: Option<bool>,
-    /// Whether the trace is turned upside down; `None` where a file does not tell.
+    /// Whether the trace is inverted; `None` if a file does not state it.
     pub inverted: Option<bool>,
     /// Probe attenuation: 1, 10, 100 or 1000 (1).
     pub probe: f64,

@@ -7,10 +7,10 @@
 /// Longest message. A curve of 2500 points as text has at most 12 500 bytes.
 pub const MAXIMUM_BYTES: usize = 32_768;
 
-/// Where in a message the next byte stands.
+/// Part of a message that the next byte belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 enum Place {
-    /// In plain text; the flag tells whether a block may begin here.
+    /// In plain text.
     #[default]
     Text,
     /// In a text in quotation marks.
@@ -19,7 +19,7 @@ enum Place {
     BlockStart,
     /// In the digits of a block's length: digits to come, and the length so far.
     BlockLength(u8, usize),
-    /// In a block with so many bytes to come.
+    /// In a block; the number of its bytes that are still to come.
     Block(usize),
 }
 
@@ -61,7 +61,7 @@ impl InputBuffer {
         None
     }
 
-    /// The message ends here, as the link tells; returns it, unless it is empty.
+    /// Ends the message where the protocol marks its end; returns it, unless it is empty.
     pub fn finish(&mut self) -> Option<InputPiece> {
         self.place = Place::Text;
         let message = std::mem::take(&mut self.message);

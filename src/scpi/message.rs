@@ -130,7 +130,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Text up to its mark; two marks stand for one.
+    /// Text up to its quotation mark; two marks in a row mean one.
     fn quoted(&mut self, mark: u8) -> Result<Argument, Event> {
         self.at += 1;
         let mut text = Vec::new();

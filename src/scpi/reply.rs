@@ -71,7 +71,7 @@ impl Terminator {
 /// How replies on one connection look.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Preferences {
-    /// Whether headers stand before answers (`HEADer`).
+    /// Whether answers begin with headers (`HEADer`).
     pub header: bool,
     /// Whether words are written in full (`VERBose`).
     pub verbose: bool,

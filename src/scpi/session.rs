@@ -33,7 +33,7 @@ struct Progress {
     indefinite: bool,
     /// Whether the instrument replies, and not only the bench behind it.
     by_instrument: bool,
-    /// Units still to come of those that `*TRG` stands for, and the path behind them.
+    /// Units of the device trigger (`*DDT`) that are still to come, and the path after them.
     trigger: (usize, Vec<String>),
 }
 
@@ -89,11 +89,6 @@ impl Session {
         self.by_instrument
     }
 
-    /// How replies look.
-    pub fn preferences(&self) -> &Preferences {
-        &self.preferences
-    }
-
     /// Takes bytes as they come, in pieces of any size.
     pub fn receive(&mut self, instrument: &mut Instrument, bytes: &[u8]) -> Reply {
         let mut out = Vec::new();
@@ -105,7 +100,7 @@ impl Session {
         self.reply(out)
     }
 
-    /// The link tells that the message is complete, where no line end does.
+    /// Ends a message whose protocol marks its end instead of a line end.
     pub fn end_of_message(&mut self, instrument: &mut Instrument) -> Reply {
         let mut out = Vec::new();
         if let Some(piece) = self.input.finish() {
@@ -234,7 +229,7 @@ impl Session {
                         instrument.status.report(Event::QueryUnterminated);
                     }
                 }
-                // `*TRG` among the commands that it stands for would never end.
+                // `*TRG` among its own commands would never end.
                 Err(Deferred::Execute(_)) if in_trigger => {
                     instrument.status.report(Event::SettingsConflict);
                 }

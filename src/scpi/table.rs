@@ -92,7 +92,7 @@ pub enum Slot<'a> {
 }
 
 impl Slot<'_> {
-    /// Sets it to what `arguments` say, on a model with so many channels.
+    /// Sets it from `arguments`, on a model with `channels` channels.
     fn set(self, arguments: &[Argument], channels: u8) -> Result<(), Event> {
         match self {
             Self::Word(slot) => match only(arguments)? {

@@ -22,7 +22,7 @@ pub struct MatchedRow {
     pub suffix: Suffix,
 }
 
-/// The row that a header's words name, on an instrument with so many channels.
+/// The row that a header's words name, on an instrument with `channels` channels.
 pub fn find(words: &[String], channels: u8) -> Option<MatchedRow> {
     let found = rows().find_map(|row| {
         let suffix = matches(row, words, channels)?;

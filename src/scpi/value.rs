@@ -11,7 +11,7 @@ use crate::scope::word::{Word, short_form, words};
 pub enum ReplyValue {
     /// A setting with decimals, in the unit that the command's manual names (unit).
     Number(f64),
-    /// A measurement, in the unit that `MEASUrement` tells (unit).
+    /// A measurement, in the unit that `MEASUrement:...:UNIts?` returns (unit).
     Measurement(f64),
     /// A whole number.
     Integer(i64),
@@ -19,7 +19,7 @@ pub enum ReplyValue {
     Word(&'static str),
     /// Text in quotation marks.
     Text(String),
-    /// As it stands.
+    /// Text that is sent unchanged.
     Plain(String),
     /// Bytes that are no text.
     Block(Vec<u8>),

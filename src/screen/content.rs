@@ -36,7 +36,7 @@ pub struct Screen {
     pub ink_saver: bool,
 }
 
-/// The trigger as the screen tells it.
+/// The trigger as the screen shows it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TriggerReadout {
     /// Where it looks.

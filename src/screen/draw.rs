@@ -135,7 +135,7 @@ fn between<T>(points: &[T], start: f64, end: f64) -> &[T] {
     points.get(start..end).unwrap_or_default()
 }
 
-/// An arrow at the left edge where zero volts stand, with the channel's number.
+/// An arrow at the left edge at zero volts, with the channel's number.
 fn ground(picture: &mut Picture, waveform: &Waveform, zoom: Option<Zoom>) {
     let level = zoom.map_or(waveform.preamble.y_off, |zoom| zoom.position * LEVELS);
     let y = (CENTRE - dots(level)).clamp(CORNER.1 + 3, CORNER.1 + SPAN.1 - 3);

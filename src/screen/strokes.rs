@@ -23,7 +23,7 @@ pub(super) const DIVISION: i32 = 25;
 /// Width and height of the graticule in dots.
 pub(super) const SPAN: (i32, i32) = (10 * DIVISION, 8 * DIVISION);
 
-/// The graticule's centre, where level 0 stands.
+/// The graticule's centre, the place of level 0.
 pub(super) const CENTRE: i32 = CORNER.1 + SPAN.1 / 2;
 
 pub(super) fn line(picture: &mut Picture, from: (i32, i32), to: (i32, i32), ink: Ink) {

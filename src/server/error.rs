@@ -3,7 +3,7 @@
 use std::io;
 
 use crate::experiment::RunError;
-use crate::recording::mcap::WriteError;
+use crate::recording::RecordingError;
 
 /// Why a server ended by itself.
 #[derive(Debug, thiserror::Error)]
@@ -29,7 +29,7 @@ pub enum ServeError {
     #[error("the recording could not be written: {}", causes(reason))]
     Record {
         /// The cause.
-        reason: WriteError,
+        reason: RecordingError,
     },
     /// The disk stalled, and the recording has no end.
     #[error(

@@ -57,7 +57,7 @@ impl Log {
         }
     }
 
-    /// Writes what is queued, unless nobody takes it.
+    /// Writes what is queued, unless the output accepts nothing.
     pub async fn finish(self) {
         if let Some(writer) = self.writer {
             // A failure was reported when it happened.

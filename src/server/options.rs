@@ -10,7 +10,7 @@ use crate::instrument::{BenchAccess, Fault};
 /// How the server behaves.
 #[derive(Default)]
 pub struct ServerOptions {
-    /// Whether headers stand before answers on a fresh connection (`HEADer`).
+    /// Whether replies of a new connection begin with headers (`HEADer`).
     pub header: bool,
     /// From one strike to the next; none leaves the chain at rest until a client strikes it.
     pub impact_every: Option<Duration>,

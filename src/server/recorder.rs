@@ -12,7 +12,8 @@ use super::bench_thread::GroundTruth;
 use super::writer::{BackgroundWriter, Sink};
 use crate::experiment::facts::{scene_attachments, shot_facts};
 use crate::instrument::{Finished, Instrument};
-use crate::recording::mcap::{RecordingWriter, ShotNotes, WriteError};
+use crate::recording::RecordingError;
+use crate::recording::mcap::{RecordingWriter, ShotNotes};
 use crate::recording::{self, Capture, Direction, Origin, ScpiLine, Shot};
 use crate::scene::Scene;
 use crate::scope::{Source, Waveform};
@@ -133,8 +134,8 @@ impl Recorder {
         self.writer.keep_pace().await;
     }
 
-    /// Waits until all is with the operating system, unless the disk has stalled: what a client was
-    /// told survives the server.
+    /// Waits until the operating system has everything, unless the disk has stalled: a shot that a
+    /// client knows of survives the server.
     pub async fn drain(&mut self) {
         self.writer.drain().await;
     }
@@ -179,7 +180,7 @@ struct RecordingSink {
 
 impl RecordingSink {
     /// Attaches a scene other than the served one, and what is known of a shot on it.
-    fn attach(&mut self, scene: &Scene, shot: u32, impact: u32) -> Result<(), WriteError> {
+    fn attach(&mut self, scene: &Scene, shot: u32, impact: u32) -> Result<(), RecordingError> {
         if !self.attached.contains(&scene.name) {
             self.attached.push(scene.name.clone());
             for attachment in scene_attachments(scene) {

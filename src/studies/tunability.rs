@@ -17,7 +17,7 @@ use crate::experiment::parallel::{in_parallel, processors};
 use crate::experiment::pulse::{HALF_RISE_SHARE, PulseRecorder};
 use crate::measurement::metadata::cell;
 use crate::motion::IntegrateError;
-use crate::quantity::parse_any;
+use crate::quantity::Quantity;
 use crate::scene::adjust::{AdjustError, Adjustable, AdjustableNumber};
 use crate::scene::{Scene, SceneError, Site};
 
@@ -143,7 +143,10 @@ impl TunedNumber {
 
 /// `unit` without its prefix, `Pa` for `GPa`, and how many SI units it is (unit).
 fn without_prefix(unit: &str) -> (String, f64) {
-    let of = |unit: &str| parse_any(&format!("1 {unit}")).ok();
+    let of = |unit: &str| {
+        let one = format!("1 {unit}").parse::<Quantity>().ok();
+        one.map(|one| (one.value, one.dimension))
+    };
     let whole = of(unit);
     let rest: String = unit.chars().skip(1).collect();
     match (whole, of(&rest)) {

@@ -20,15 +20,11 @@ use std::path::{Path, PathBuf};
 
 use crate::scene::SceneError;
 use crate::scene::adjust::AdjustError;
-use crate::scene::grid::DesignError;
 
 /// Why a sweep could not be made, run or gathered.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
-    /// The sweep's file is wrong.
-    #[error(transparent)]
-    Design(#[from] DesignError),
-    /// The scene that it varies is wrong.
+    /// The sweep's file or the scene that it varies is wrong.
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// A path leads nowhere.

@@ -10,8 +10,8 @@ pub use super::row::{Column, ColumnKind};
 use crate::experiment::ensemble::{Case, ProbeSite, Readout, places};
 use crate::experiment::outcome::{Reading, Speed, speeds};
 use crate::scene::adjust::Adjustable;
+use crate::scene::adjust::SceneOverride;
 use crate::scene::grid::{Design, PlannedRun, number, typed};
-use crate::scene::vary::SceneOverride;
 use crate::scene::{Problem, Scene, SceneError, hexadecimal};
 
 /// Runs that are tried before a sweep begins: where none makes a scene, the sweep is mistaken.
@@ -152,9 +152,10 @@ impl SweepPlan {
         if self.design.repeat > 1 {
             row.count(run.repeat);
         }
-        for (value, numeric) in run.values.iter().zip(&self.numeric) {
+        let values = self.design.paths().zip(&run.values);
+        for ((path, value), numeric) in values.zip(&self.numeric) {
             if *numeric {
-                row.number(number(value).map(|(value, _)| value));
+                row.number(number(path, value).map(|(value, _)| value));
             } else {
                 row.text(&typed(value));
             }

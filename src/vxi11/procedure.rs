@@ -1,6 +1,8 @@
 //! The procedures: their numbers, arguments and results. Source: VXI-11, appendix C (the protocol
 //! in RPCL), and table B.2 for errors.
 
+use std::time::Duration;
+
 use super::rpc::{MAX_RECEIVE, Refusal, XdrReader, words};
 
 /// Number of the core channel's program.
@@ -58,12 +60,12 @@ pub enum ErrorCode {
 }
 
 /// How long a call waits.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Timeouts {
-    /// For another session's lock (s).
-    pub lock: f64,
-    /// For something to read (s).
-    pub io: f64,
+    /// For another session's lock.
+    pub lock: Duration,
+    /// For something to read.
+    pub io: Duration,
 }
 
 /// A call with its arguments.
@@ -129,8 +131,8 @@ pub struct ProcedureCall<'a> {
     pub timeouts: Timeouts,
 }
 
-fn seconds(milliseconds: u32) -> f64 {
-    f64::from(milliseconds) / 1e3
+fn milliseconds(count: u32) -> Duration {
+    Duration::from_millis(count.into())
 }
 
 /// Procedure `number` of the core or the abort program with its arguments.
@@ -175,7 +177,8 @@ fn of_link<'a>(procedure: Procedure<'a>, items: &mut XdrReader<'a>) -> Option<Pr
 /// Waits for a lock if its flag says so.
 fn timeouts(flags: u32, lock: u32, io: u32) -> Timeouts {
     let waits = flags & flag::WAIT_FOR_LOCK != 0;
-    Timeouts { lock: if waits { seconds(lock) } else { 0.0 }, io: seconds(io) }
+    let lock = if waits { milliseconds(lock) } else { Duration::ZERO };
+    Timeouts { lock, io: milliseconds(io) }
 }
 
 fn create_link<'a>(items: &mut XdrReader<'a>) -> Option<ProcedureCall<'a>> {
@@ -185,7 +188,7 @@ fn create_link<'a>(items: &mut XdrReader<'a>) -> Option<ProcedureCall<'a>> {
     Some(ProcedureCall {
         procedure,
         link: 0,
-        timeouts: Timeouts { lock: seconds(timeout), io: 0.0 },
+        timeouts: Timeouts { lock: milliseconds(timeout), io: Duration::ZERO },
     })
 }
 

@@ -194,3 +194,20 @@ fn what_is_left_out_is_left_out_and_nothing_else() {
     assert!(shows(printed, "...\nthree\n...") && shows(printed, "two\n...\nfour\n"));
     assert!(!shows(printed, "one\nthree") && !shows(printed, "three\n...\none"));
 }
+
+/// Each program of `examples/`, which `cargo test` compiles, ends well and says something.
+#[test]
+fn every_program_of_the_library_s_examples_runs() {
+    let sources = std::fs::read_dir(root().join("examples")).expect("a folder");
+    let names: Vec<String> = sources
+        .map(|entry| entry.expect("a file").path().file_stem().unwrap().to_string_lossy().into())
+        .collect();
+    assert!(names.len() >= 6, "{names:?}");
+    let tests = std::env::current_exe().expect("a program");
+    let folder = tests.ancestors().nth(2).expect("the profile's folder").join("examples");
+    for name in names {
+        let run = Command::new(folder.join(&name)).output().expect(&name);
+        let errors = String::from_utf8_lossy(&run.stderr);
+        assert!(run.status.success() && !run.stdout.is_empty(), "{name}: {errors}");
+    }
+}

@@ -13,6 +13,8 @@ mod hislip;
 mod isf;
 #[path = "../../fuzz/targets/mcap.rs"]
 mod mcap;
+#[path = "../../fuzz/network.rs"]
+pub mod network;
 #[path = "../../fuzz/targets/scpi.rs"]
 mod scpi;
 #[path = "../../fuzz/targets/set.rs"]

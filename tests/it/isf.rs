@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use hertzscope::recording::isf::{IsfError, MAXIMUM_BYTES, Width, read, write};
+use hertzscope::recording::isf::{MAXIMUM_BYTES, Width, read, write};
 use hertzscope::recording::{Capture, InstrumentIdentity};
 use hertzscope::scope::{Coupling, PointFormat, Preamble, Source, VerticalSetup, Waveform};
 use proptest::prelude::*;
@@ -301,7 +301,11 @@ fn refusals_tell_byte_and_reason() {
 #[test]
 fn what_cannot_be_held_is_refused() {
     let huge = vec![0; MAXIMUM_BYTES + 1];
-    assert!(matches!(read(&huge, "a.isf"), Err(IsfError::TooLarge { .. })));
+    let error = read(&huge, "a.isf").expect_err("too large").to_string();
+    assert_eq!(
+        error,
+        format!("a.isf: found {} bytes, expected at most {MAXIMUM_BYTES}", MAXIMUM_BYTES + 1)
+    );
     let mut capture = made_up(Vec::new());
     assert_eq!(
         write(&capture, Width::One).expect_err("empty").to_string(),

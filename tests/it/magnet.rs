@@ -21,6 +21,7 @@ fn ring(outer: f64, inner: f64, length: f64, remanence: f64) -> RingMagnet {
         length,
         remanence,
         temperature_coefficient: -1.2e-3,
+        curie_temperature: f64::INFINITY,
         reference_temperature: ROOM,
     }
 }

@@ -28,9 +28,11 @@ mod ensemble;
 mod fifty_scenes;
 mod files;
 mod fit;
+#[cfg(feature = "server")]
 mod fuzz_corpora;
 mod golden;
 mod hard_cases;
+#[cfg(feature = "server")]
 mod hislip;
 mod isf;
 mod laboratory;
@@ -55,6 +57,7 @@ mod tek_csv;
 mod tui;
 mod tunability;
 mod vector_path;
+#[cfg(feature = "server")]
 mod vxi11;
 
 /// So many cases of random input, the same ones each time.

@@ -9,8 +9,9 @@ mod round_trip;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use hertzscope::recording::RecordingError;
 use hertzscope::recording::mcap::message::{EnergyMessage, timestamp};
-use hertzscope::recording::mcap::{ReadError, ShotNotes, read_bytes, write};
+use hertzscope::recording::mcap::{ShotNotes, read_bytes, write};
 use hertzscope::recording::{
     Attachment, Capture, Direction, InstrumentIdentity, Origin, ScpiLine, Shot, TraceSet,
 };
@@ -154,6 +155,6 @@ fn bytes_of(set: &TraceSet) -> Vec<u8> {
     std::fs::read(&file).expect("what was written")
 }
 
-fn read(bytes: &[u8]) -> Result<TraceSet, ReadError> {
+fn read(bytes: &[u8]) -> Result<TraceSet, RecordingError> {
     read_bytes(bytes, Path::new("test.mcap"))
 }

@@ -4,6 +4,7 @@
 mod acquired;
 mod adjusted;
 mod files;
+mod limits;
 mod losses;
 mod materials;
 mod mistakes;

@@ -3,6 +3,7 @@
 
 mod abuse;
 mod bench;
+mod connections;
 mod faults;
 mod hislip;
 mod load;
@@ -22,7 +23,7 @@ use hertzscope::experiment::inputs::{InputWindow, inputs};
 use hertzscope::experiment::{Integration, run};
 use hertzscope::recording::mcap::{RecordingWriter, read};
 use hertzscope::scene::Scene;
-use hertzscope::server::{MAX_CONNECTIONS_OF_PEER, ServeError, ServerOptions, Sockets, serve};
+use hertzscope::server::{ServeError, ServerOptions, Sockets, serve};
 use process::Process;
 use tokio::sync::oneshot;
 
@@ -87,16 +88,6 @@ pub fn connect(address: SocketAddr) -> Client {
     stream.set_read_timeout(Some(LIMIT)).expect("a limit");
     stream.set_write_timeout(Some(LIMIT)).expect("a limit");
     Client { stream: BufReader::new(stream) }
-}
-
-/// A connection from another address of this computer.
-fn connect_from(address: [u8; 4], server: SocketAddr) -> Client {
-    let socket = socket2::Socket::new(socket2::Domain::IPV4, socket2::Type::STREAM, None);
-    let socket = socket.expect("a socket");
-    socket.bind(&SocketAddr::from((address, 0)).into()).expect("an address of this computer");
-    socket.connect(&server.into()).expect("a connection");
-    socket.set_read_timeout(Some(LIMIT)).expect("a limit");
-    Client { stream: BufReader::new(socket.into()) }
 }
 
 impl Drop for Server {
@@ -281,27 +272,6 @@ fn who_sends_no_more_is_still_answered() {
     assert!(done.is_closed());
     // Half a command is none.
     assert_eq!(other.ask("CH1:SCALE?"), "1.0E0\n");
-}
-
-#[test]
-fn connections_are_limited() {
-    let server = Server::at_rest();
-    let mut clients: Vec<Client> = (0..MAX_CONNECTIONS_OF_PEER).map(|_| server.connect()).collect();
-    for client in &mut clients {
-        assert_eq!(client.ask("*IDN?"), IDENTITY);
-    }
-    assert!(server.connect().is_closed());
-    assert_eq!(clients[0].ask("*IDN?"), IDENTITY);
-    // Another computer has its own share.
-    let mut other = connect_from([127, 0, 0, 2], server.address);
-    assert_eq!(other.ask("*IDN?"), IDENTITY);
-    drop(clients);
-    // Room again, as soon as the server knows.
-    let answers = |mut client: Client| {
-        client.stream.get_mut().write_all(b"*IDN?\n").is_ok()
-            && client.stream.read_line(&mut String::new()).is_ok_and(|length| length > 0)
-    };
-    assert!((0..10_000).any(|_| answers(server.connect())));
 }
 
 #[test]

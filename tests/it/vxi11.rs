@@ -1,11 +1,13 @@
 //! The VXI-11 protocol without a network. Numbers are those of VXI-11 (1995), appendix C, and of
 //! RFC 5531 and 1833.
 
-use hertzscope::lan::Device as _;
-use hertzscope::lan::lock::Grant;
-use hertzscope::vxi11::{MAX_LINKS_OF_CONNECTION, Vxi11Server, port_mapper};
+use std::sync::MutexGuard;
 
-use crate::hislip::partner::Fake;
+use hertzscope::hislip::MessageType;
+use hertzscope::server::{MAX_LINKS_OF_CONNECTION, Protocol};
+use hertzscope::vxi11::port_mapper;
+
+use crate::hislip::partner::{self, Fake};
 
 const CORE: u32 = 0x0006_07AF;
 const ABORT: u32 = 0x0006_07B0;
@@ -49,61 +51,51 @@ fn record(message: &[u8]) -> Vec<u8> {
     [&words(&[0x8000_0000 | length]), message].concat()
 }
 
-/// What connection 0, 1, ... of a server was sent.
+/// Clients of an instrument that writes everything down.
 struct Lab {
-    server: Vxi11Server,
-    fake: Fake,
-    inboxes: Vec<(Vec<u8>, bool)>,
+    hislip: partner::Lab,
 }
 
 impl Lab {
     fn new() -> Self {
-        Self { server: Vxi11Server::new(4711), fake: Fake::default(), inboxes: Vec::new() }
+        Self { hislip: partner::Lab::new(4711) }
     }
 
-    fn connect(&mut self) -> u64 {
-        let number = self.inboxes.len() as u64;
-        self.inboxes.push(Default::default());
-        self.server.opened(number);
-        number
+    fn fake(&self) -> MutexGuard<'_, Fake> {
+        self.hislip.network.device()
     }
 
-    fn bytes(&mut self, at: u64, bytes: &[u8]) {
-        self.server.received(at, bytes, &mut self.fake);
-        self.deliver();
+    fn connect(&mut self) -> usize {
+        self.hislip.network.connect(Protocol::Vxi11)
     }
 
-    fn deliver(&mut self) {
-        for output in self.server.take_output() {
-            let (inbox, closed) =
-                &mut self.inboxes[usize::try_from(output.connection).expect("one")];
-            inbox.extend(output.bytes);
-            *closed |= output.close;
-        }
+    fn bytes(&mut self, at: usize, bytes: &[u8]) {
+        self.hislip.network.send(at, bytes);
     }
 
-    fn advance(&mut self, now: f64) {
-        self.server.advance(now, &mut self.fake);
-        self.deliver();
+    /// Time passes until `now` (s).
+    fn wait_until(&mut self, now: f64) {
+        self.hislip.network.wait_until(now);
     }
 
     /// All that a connection was sent since the last look.
-    fn sent(&mut self, at: u64) -> Vec<u8> {
-        std::mem::take(&mut self.inboxes[usize::try_from(at).expect("one")].0)
+    fn sent(&mut self, at: usize) -> Vec<u8> {
+        self.hislip.network.settle();
+        self.hislip.network.received(at)
     }
 
-    fn is_closed(&self, at: u64) -> bool {
-        self.inboxes[usize::try_from(at).expect("one")].1
+    fn is_closed(&self, at: usize) -> bool {
+        self.hislip.network.is_closed(at)
     }
 
-    fn send(&mut self, at: u64, procedure: u32, arguments: &[u8]) {
+    fn send(&mut self, at: usize, procedure: u32, arguments: &[u8]) {
         self.bytes(at, &record(&call(CORE, 1, procedure, arguments)));
     }
 
     /// The results of one call: what stands behind record, number, reply, accepted, empty verifier,
     /// success.
     #[track_caller]
-    fn results(&mut self, at: u64) -> Vec<u8> {
+    fn results(&mut self, at: usize) -> Vec<u8> {
         let sent = self.sent(at);
         let length = u32::try_from(sent.len() - 4).expect("short");
         let head = words(&[0x8000_0000 | length, 7, 1, 0, 0, 0, 0]);
@@ -112,25 +104,25 @@ impl Lab {
     }
 
     #[track_caller]
-    fn ask(&mut self, at: u64, procedure: u32, arguments: &[u8]) -> Vec<u8> {
+    fn ask(&mut self, at: usize, procedure: u32, arguments: &[u8]) -> Vec<u8> {
         self.send(at, procedure, arguments);
         self.results(at)
     }
 
     /// A connection with a link, and the link's number.
-    fn link(&mut self) -> (u64, u32) {
+    fn link(&mut self) -> (usize, u32) {
         let at = self.connect();
         (at, self.link_on(at))
     }
 
-    fn link_on(&mut self, at: u64) -> u32 {
+    fn link_on(&mut self, at: usize) -> u32 {
         let made = self.ask(at, CREATE_LINK, &[words(&[1, 0, 0]), opaque(b"inst0")].concat());
         assert_eq!(made[..4], words(&[0]), "no error");
         u32::from_be_bytes(made[4..8].try_into().expect("a word"))
     }
 
     #[track_caller]
-    fn write(&mut self, (at, link): (u64, u32), flags: u32, text: &[u8]) {
+    fn write(&mut self, (at, link): (usize, u32), flags: u32, text: &[u8]) {
         let written = self.ask(at, WRITE, &[words(&[link, 0, 0, flags]), opaque(text)].concat());
         assert_eq!(written, words(&[0, u32::try_from(text.len()).expect("short")]));
     }
@@ -138,7 +130,7 @@ impl Lab {
     /// Error, reason and data of a read of at most `count` bytes that waits for `milliseconds`.
     fn read(
         &mut self,
-        (at, link): (u64, u32),
+        (at, link): (usize, u32),
         count: u32,
         milliseconds: u32,
     ) -> (u32, u32, Vec<u8>) {
@@ -147,7 +139,7 @@ impl Lab {
     }
 
     #[track_caller]
-    fn read_results(&mut self, at: u64) -> (u32, u32, Vec<u8>) {
+    fn read_results(&mut self, at: usize) -> (u32, u32, Vec<u8>) {
         let results = self.results(at);
         let word = |n: usize| u32::from_be_bytes(results[4 * n..][..4].try_into().expect("a word"));
         let length = usize::try_from(word(2)).expect("short");
@@ -170,7 +162,7 @@ fn create_link_on_the_wire() {
     let answer = b"\x80\0\0\x28\xca\xfe\0\x01\0\0\0\x01\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\
         \0\0\0\0\0\0\x80\0\0\0\x12\x67\0\x01\0\0";
     assert_eq!(lab.sent(at), answer);
-    assert_eq!(lab.fake.log, ["open 32768"]);
+    assert_eq!(lab.fake().log, ["open 1"]);
     // The same in three fragments, one of them empty.
     let (one, two) = asked[4..].split_at(9);
     let length = u32::try_from(two.len()).expect("short");
@@ -185,7 +177,7 @@ fn a_query_is_read_in_parts() {
     let link = lab.link();
     lab.write(link, 0, b"one;tw");
     lab.write(link, END, b"o;three?");
-    assert_eq!(lab.fake.log.last().map(String::as_str), Some("32768: one;two;three?"));
+    assert_eq!(lab.fake().log.last().map(String::as_str), Some("1: one;two;three?"));
     assert_eq!(lab.read(link, 4, 0), (0, 1, b"one;".to_vec()), "as many as asked for");
     lab.send(link.0, READ, &words(&[link.1, 100, 0, 0, TERMINATOR, u32::from(b';')]));
     assert_eq!(lab.read_results(link.0), (0, 2, b"two;".to_vec()), "up to the character");
@@ -198,19 +190,19 @@ fn a_query_is_read_in_parts() {
 fn a_read_waits_for_a_reply() {
     let mut lab = Lab::new();
     let link = lab.link();
-    lab.advance(10.0);
+    lab.wait_until(10.0);
     lab.write(link, END, b"later?");
     lab.send(link.0, READ, &words(&[link.1, 100, 500, 0, 0, 0]));
     lab.send(link.0, READ_STB, &words(&[link.1, 0, 0, 0]));
-    lab.advance(10.4);
+    lab.wait_until(10.4);
     assert_eq!(lab.sent(link.0), Vec::<u8>::new());
-    lab.server.reply(0x8000, b"later\n");
-    lab.advance(10.45);
+    lab.fake().reply(1, b"later\n");
+    lab.wait_until(10.45);
     let sent = lab.sent(link.0);
     assert_eq!(sent[28..40], words(&[0, 4, 6]));
     assert_eq!(sent[52 + 24..], words(&[0, 0]), "the status byte behind it");
     lab.send(link.0, READ, &words(&[link.1, 100, 500, 0, 0, 0]));
-    lab.advance(10.951);
+    lab.wait_until(10.96);
     assert_eq!(lab.read_results(link.0), (15, 0, Vec::new()));
 }
 
@@ -220,13 +212,13 @@ fn another_message_interrupts_a_reply() {
     let link = lab.link();
     lab.write(link, END, b"one?");
     lab.write(link, END, b"two?");
-    assert_eq!(lab.fake.log[2], "32768 interrupted");
+    assert_eq!(lab.fake().log[2], "1 interrupted");
     assert_eq!(lab.read(link, 100, 0).2, b"two\n");
     lab.write(link, END, b"three?");
     assert_eq!(lab.ask(link.0, CLEAR, &words(&[link.1, 0, 0, 0])), words(&[0]));
     assert_eq!(lab.ask(link.0, TRIGGER, &words(&[link.1, 0, 0, 0])), words(&[0]));
     assert_eq!(lab.read(link, 100, 0).0, 15, "cleared");
-    assert_eq!(lab.fake.log[5..], ["32768 cleared", "32768 triggers"]);
+    assert_eq!(lab.fake().log[5..], ["1 cleared", "1 triggers"]);
 }
 
 #[test]
@@ -249,32 +241,38 @@ fn locks_bind_both_protocols() {
     assert_eq!(lab.ask(one.0, LOCK, &words(&[one.1, 0, 0])), words(&[0]));
     assert_eq!(lab.ask(one.0, LOCK, &words(&[one.1, 0, 0])), words(&[11]), "held already");
     assert_eq!(lab.ask(two.0, UNLOCK, &words(&[two.1])), words(&[12]), "not held");
-    assert_eq!(lab.fake.locks().request(1, b""), Grant::Busy, "a HiSLIP session");
+    let session = lab.hislip.client().asynchronous;
+    let ask_lock = |lab: &mut Lab, request: bool| {
+        let codes = (u8::from(request), 0);
+        lab.hislip.send(session, MessageType::AsyncLock, codes, b"");
+        lab.hislip.next(session).1
+    };
+    assert_eq!(ask_lock(&mut lab, true), 0, "a HiSLIP session");
     let write = |flags, timeout| [words(&[two.1, 0, timeout, flags]), opaque(b"two?")].concat();
     assert_eq!(lab.ask(two.0, WRITE, &write(END, 1000)), words(&[11, 0]), "does not wait");
     lab.send(two.0, WRITE, &write(END | WAIT, 1000));
-    lab.advance(0.9);
+    lab.wait_until(0.9);
     assert_eq!(lab.sent(two.0), Vec::<u8>::new());
     assert_eq!(lab.ask(one.0, UNLOCK, &words(&[one.1])), words(&[0]));
     assert_eq!(lab.results(two.0), words(&[0, 4]));
     // A HiSLIP session's lock.
-    assert_eq!(lab.fake.locks().request(1, b""), Grant::Granted);
+    assert_eq!(ask_lock(&mut lab, true), 1);
     lab.send(two.0, LOCK, &words(&[two.1, WAIT, 1000]));
-    lab.advance(1.95);
+    lab.wait_until(1.95);
     assert_eq!(lab.results(two.0), words(&[11]), "the time is over");
     // A link that takes the lock as it is created, and gives it back with its connection.
     let late = lab.connect();
     lab.send(late, CREATE_LINK, &[words(&[1, 1, 1000]), opaque(b"inst0")].concat());
-    lab.fake.locks().remove_session(1);
-    lab.advance(2.0);
+    assert_eq!(ask_lock(&mut lab, false), 1);
+    lab.wait_until(2.0);
     assert_eq!(lab.results(late)[..4], words(&[0]));
     assert_eq!(lab.ask(two.0, LOCK, &words(&[two.1, 0, 0])), words(&[11]));
-    lab.server.closed(late, &mut lab.fake);
+    lab.hislip.network.close(late);
     assert_eq!(lab.ask(two.0, LOCK, &words(&[two.1, 0, 0])), words(&[0]));
 }
 
-/// Interrupt channels are not offered; a new reason for service shows in the status byte until it is
-/// polled.
+/// Interrupt channels are not offered; a new reason for service shows in the status byte until it
+/// is polled.
 #[test]
 fn service_requests_show_in_the_status_byte() {
     let mut lab = Lab::new();
@@ -284,9 +282,9 @@ fn service_requests_show_in_the_status_byte() {
     assert_eq!(lab.ask(link.0, DESTROY_INTERRUPT, &[]), words(&[8]));
     let enable = [words(&[link.1, 1]), opaque(b"mine")].concat();
     assert_eq!(lab.ask(link.0, ENABLE_SRQ, &enable), words(&[8]));
-    (lab.fake.event, lab.fake.enabled) = (true, 32);
-    lab.advance(0.1);
-    lab.advance(0.2);
+    lab.hislip.network.set_status(true, 32);
+    lab.wait_until(0.1);
+    lab.wait_until(0.2);
     for byte in [32 | 64, 32] {
         let polled = lab.ask(link.0, READ_STB, &words(&[link.1, 0, 0, 0]));
         assert_eq!(polled, words(&[0, byte]), "bit 6 until it is polled");
@@ -298,7 +296,7 @@ fn service_requests_show_in_the_status_byte() {
 fn a_device_trigger_has_a_reply() {
     let mut lab = Lab::new();
     let link = lab.link();
-    lab.fake.triggered = b"0;READY\n".to_vec();
+    lab.fake().triggered = b"0;READY\n".to_vec();
     assert_eq!(lab.ask(link.0, TRIGGER, &words(&[link.1, 0, 0, 0])), words(&[0]));
     assert_eq!(lab.read(link, 100, 0), (0, 4, b"0;READY\n".to_vec()));
 }
@@ -323,7 +321,7 @@ fn too_long_a_write_is_a_parameter_error() {
 fn idle_links_give_way() {
     let mut lab = Lab::new();
     let waits = lab.link();
-    let idle: Vec<u64> = (0..4).map(|_| lab.connect()).collect();
+    let idle: Vec<usize> = (0..4).map(|_| lab.connect()).collect();
     let create = [words(&[1, 0, 0]), opaque(b"inst0")].concat();
     for at in &idle {
         let links =
@@ -334,9 +332,9 @@ fn idle_links_give_way() {
     lab.send(waits.0, READ, &words(&[waits.1, 1, 60_000, 0, 0, 0]));
     let new = lab.connect();
     assert_eq!(lab.ask(new, CREATE_LINK, &create), words(&[9, 0, 0, 0]), "none is idle yet");
-    lab.advance(0.6);
+    lab.wait_until(0.6);
     lab.ask(idle[0], 0, &[]);
-    lab.advance(1.1);
+    lab.wait_until(1.1);
     lab.link_on(new);
     assert!(lab.is_closed(idle[1]), "the oldest");
     assert!([waits.0, idle[0], idle[2], idle[3]].iter().all(|at| !lab.is_closed(*at)));
@@ -356,8 +354,8 @@ fn links_have_names_owners_and_an_end() {
     assert_eq!(lab.ask(at, DESTROY_LINK, &words(&[links[0]])), words(&[0]));
     assert_eq!(lab.read((at, links[0]), 1, 0), (4, 0, Vec::new()));
     assert_eq!(lab.link_on(at), links[0]);
-    lab.server.closed(at, &mut lab.fake);
-    let closed = lab.fake.log.iter().filter(|line| line.starts_with("close ")).count();
+    lab.hislip.network.close(at);
+    let closed = lab.fake().log.iter().filter(|line| line.starts_with("close ")).count();
     assert_eq!(closed, MAX_LINKS_OF_CONNECTION + 1, "all of its own, one of them twice");
 }
 

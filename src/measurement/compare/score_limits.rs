@@ -1,7 +1,7 @@
 //! Limits of a comparison's scores: `peak=5%, arrival=2us, rms=1lsb`.
 
 use super::{ChannelScore, SpeedScore};
-use crate::quantity::{Dimension, engineering, parse, parse_any};
+use crate::quantity::{Dimension, Quantity, engineering, parse};
 
 /// A limit on a residual.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -131,7 +131,7 @@ fn amount(part: &str, text: &str) -> Result<Amount, String> {
     let found = if let Some(levels) = lower.strip_suffix("lsb") {
         Amount::Levels(levels.trim().parse().map_err(|_| wrong())?)
     } else {
-        match parse_any(text) {
+        match text.parse::<Quantity>().map(|quantity| (quantity.value, quantity.dimension)) {
             Ok((volts, Dimension::VOLTAGE)) => Amount::Volts(volts),
             Ok((newtons, Dimension::FORCE)) => Amount::Newtons(newtons),
             _ => return Err(wrong()),

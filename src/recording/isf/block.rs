@@ -1,8 +1,8 @@
 //! Reads the levels of an ISF: a block of bytes, or numbers in words. Lengths that a file claims
 //! are held against what is there before anything is set aside for them.
 
-use super::error::{IsfError, excerpt};
 use super::preamble::{self, PreambleText};
+use crate::recording::error::{RecordingError, byte, excerpt_of_bytes};
 
 /// Difference between a level counted from the converter's lowest and one counted from its centre.
 const CENTRE_OF_ONE_BYTE: i32 = 1 << 7;
@@ -43,7 +43,7 @@ impl Encoding {
     pub(super) fn read(
         words: &PreambleText<'_>,
         notes: &mut Vec<String>,
-    ) -> Result<Self, IsfError> {
+    ) -> Result<Self, RecordingError> {
         let mut default = |found: Option<bool>, key: preamble::PreambleKey, taken: &str| {
             found.unwrap_or_else(|| {
                 notes.push(format!("{} taken as {taken}: not given in the file", key.name()));
@@ -77,7 +77,7 @@ impl Encoding {
         words: &PreambleText<'_>,
         bytes: &[u8],
         notes: &mut Vec<String>,
-    ) -> Result<Levels, IsfError> {
+    ) -> Result<Levels, RecordingError> {
         let start = words.block;
         let in_words = self.form == Form::Words;
         let codes = if in_words {
@@ -100,7 +100,7 @@ impl Encoding {
         file: &str,
         bytes: &[u8],
         range: std::ops::Range<usize>,
-    ) -> Result<Vec<i16>, IsfError> {
+    ) -> Result<Vec<i16>, RecordingError> {
         let (offset, block) = (range.start, bytes.get(range).unwrap_or_default());
         // Counting from the lowest level instead of the centre flips the highest bit and nothing
         // else.
@@ -110,12 +110,9 @@ impl Encoding {
         }
         let (pairs, odd) = block.as_chunks::<2>();
         if !odd.is_empty() {
-            return Err(IsfError::Block {
-                file: file.to_owned(),
-                offset,
-                found: format!("a block of {} bytes", block.len()),
-                expected: "an even number, two bytes a point".to_owned(),
-            });
+            let found = format!("a block of {} bytes", block.len());
+            let expected = "an even number, two bytes a point";
+            return Err(RecordingError::found(byte(file, offset), found, expected));
         }
         let join =
             if self.form == Form::LeastFirst { u16::from_le_bytes } else { u16::from_be_bytes };
@@ -129,12 +126,10 @@ fn block(
     bytes: &[u8],
     start: usize,
     notes: &mut Vec<String>,
-) -> Result<std::ops::Range<usize>, IsfError> {
-    let wrong = |offset: usize, expected: &str| IsfError::Block {
-        file: file.to_owned(),
-        offset,
-        found: excerpt(bytes.get(offset..).unwrap_or_default()),
-        expected: expected.to_owned(),
+) -> Result<std::ops::Range<usize>, RecordingError> {
+    let wrong = |offset: usize, expected: &str| {
+        let found = excerpt_of_bytes(bytes.get(offset..).unwrap_or_default());
+        RecordingError::found(byte(file, offset), found, expected)
     };
     if bytes.get(start) != Some(&b'#') {
         return Err(wrong(start, "`#`, the number of digits, the length, and the block"));
@@ -154,8 +149,8 @@ fn block(
         .ok_or_else(|| wrong(start + 2, &format!("a length of {digits} digits")))?;
     let found = bytes.len().saturating_sub(first);
     if found < length {
-        let (file, offset) = (file.to_owned(), bytes.len());
-        return Err(IsfError::Truncated { file, offset, found, expected: length });
+        let problem = format!("the file ends after {found} bytes of the block, expected {length}");
+        return Err(RecordingError::new(byte(file, bytes.len()), problem));
     }
     let behind = bytes.get(first + length..).unwrap_or_default().trim_ascii().len();
     if behind > 0 {
@@ -165,17 +160,15 @@ fn block(
 }
 
 /// Levels as whole numbers with commas between them.
-fn numbers(file: &str, bytes: &[u8], start: usize) -> Result<Vec<i16>, IsfError> {
+fn numbers(file: &str, bytes: &[u8], start: usize) -> Result<Vec<i16>, RecordingError> {
     let mut offset = start;
     let text = bytes.get(start..).unwrap_or_default();
     let mut codes = Vec::new();
     for cell in text.split(|byte| *byte == b',') {
         let code = std::str::from_utf8(cell.trim_ascii()).ok().and_then(|text| text.parse().ok());
-        codes.push(code.ok_or_else(|| IsfError::Block {
-            file: file.to_owned(),
-            offset,
-            found: excerpt(cell),
-            expected: "a whole number from -32768 to 32767".to_owned(),
+        codes.push(code.ok_or_else(|| {
+            let expected = "a whole number from -32768 to 32767";
+            RecordingError::found(byte(file, offset), excerpt_of_bytes(cell), expected)
         })?);
         offset += cell.len() + 1;
     }

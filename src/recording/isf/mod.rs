@@ -17,11 +17,9 @@
 //! TDS2000 family, sections 2.4, 2.5 and 4.4, with heads of files that other families wrote.
 
 mod block;
-mod error;
 mod preamble;
 mod read;
 mod write;
 
-pub use error::IsfError;
 pub use read::{MAXIMUM_BYTES, read};
 pub use write::{Width, write};

@@ -1,7 +1,7 @@
 //! Reads the words before an ISF's block: which key stands for what, and what each value may be.
 
-use super::error::{IsfError, excerpt};
 use crate::recording::command_text::{command, unquoted};
+use crate::recording::error::{RecordingError, byte, excerpt_of_bytes};
 
 /// The preamble's words take a few hundred bytes; a block not found after this many is not there.
 const MAX_PREAMBLE_BYTES: usize = 64 * 1024;
@@ -62,7 +62,7 @@ pub(super) struct PreambleText<'a> {
 pub(super) const LARGEST: f64 = f32::MAX as f64;
 
 impl<'a> PreambleText<'a> {
-    pub(super) fn read(file: &'a str, bytes: &'a [u8]) -> Result<Self, IsfError> {
+    pub(super) fn read(file: &'a str, bytes: &'a [u8]) -> Result<Self, RecordingError> {
         let head = bytes.get(..bytes.len().min(MAX_PREAMBLE_BYTES)).unwrap_or_default();
         let (mut at, mut entries) = (0, Vec::new());
         while let Some((found, next)) = command(head, at) {
@@ -72,7 +72,8 @@ impl<'a> PreambleText<'a> {
             entries.push((found.header, found.value, found.value_offset));
             at = next;
         }
-        Err(IsfError::NoCurve { file: file.to_owned(), searched: head.len() })
+        let found = format!("no CURVE in the first {} bytes", head.len());
+        Err(RecordingError::found(file, found, "an ISF file"))
     }
 
     /// The last value of `key`, without quotes, and where it stands.
@@ -81,7 +82,7 @@ impl<'a> PreambleText<'a> {
         found.map(|(_, value, offset)| (*value, *offset))
     }
 
-    pub(super) fn text(&self, key: PreambleKey) -> Result<Option<String>, IsfError> {
+    pub(super) fn text(&self, key: PreambleKey) -> Result<Option<String>, RecordingError> {
         let Some((value, offset)) = self.entry(key) else { return Ok(None) };
         let text = std::str::from_utf8(value).ok().map(unquoted);
         match text.filter(|text| !text.chars().any(char::is_control)) {
@@ -90,7 +91,7 @@ impl<'a> PreambleText<'a> {
         }
     }
 
-    pub(super) fn number(&self, key: PreambleKey) -> Result<Option<f64>, IsfError> {
+    pub(super) fn number(&self, key: PreambleKey) -> Result<Option<f64>, RecordingError> {
         let Some((value, offset)) = self.entry(key) else { return Ok(None) };
         let number = std::str::from_utf8(value).ok().and_then(|text| text.parse::<f64>().ok());
         match number.filter(|number| number.abs() <= LARGEST) {
@@ -100,7 +101,7 @@ impl<'a> PreambleText<'a> {
     }
 
     /// A number that must be there and be above zero.
-    pub(super) fn positive(&self, key: PreambleKey) -> Result<f64, IsfError> {
+    pub(super) fn positive(&self, key: PreambleKey) -> Result<f64, RecordingError> {
         let number = self.number(key)?.ok_or_else(|| self.missing(key))?;
         if number > 0.0 {
             return Ok(number);
@@ -114,7 +115,7 @@ impl<'a> PreambleText<'a> {
         &self,
         key: PreambleKey,
         words: &[(&str, T)],
-    ) -> Result<Option<T>, IsfError> {
+    ) -> Result<Option<T>, RecordingError> {
         let Some((value, offset)) = self.entry(key) else { return Ok(None) };
         let upper = value.to_ascii_uppercase();
         let is = |word: &str| {
@@ -128,22 +129,27 @@ impl<'a> PreambleText<'a> {
         Err(self.wrong(key, value, offset, &expected))
     }
 
-    pub(super) fn missing(&self, key: PreambleKey) -> IsfError {
-        IsfError::Missing { file: self.file.to_owned(), key: key.name() }
+    pub(super) fn missing(&self, key: PreambleKey) -> RecordingError {
+        RecordingError::found(self.file, format!("no {}", key.name()), "it before CURVE")
     }
 
     /// The numbers do not go together.
-    pub(super) fn unusable(&self, problem: String) -> IsfError {
-        IsfError::Numbers { file: self.file.to_owned(), problem }
+    pub(super) fn unusable(&self, problem: String) -> RecordingError {
+        RecordingError::new(self.file, problem)
     }
 
-    fn wrong(&self, key: PreambleKey, value: &[u8], offset: usize, expected: &str) -> IsfError {
-        IsfError::Entry {
-            file: self.file.to_owned(),
-            offset,
-            key: key.name(),
-            found: excerpt(value),
-            expected: expected.to_owned(),
-        }
+    fn wrong(
+        &self,
+        key: PreambleKey,
+        value: &[u8],
+        offset: usize,
+        expected: &str,
+    ) -> RecordingError {
+        RecordingError::value(
+            byte(self.file, offset),
+            key.name(),
+            excerpt_of_bytes(value),
+            expected,
+        )
     }
 }

@@ -1,10 +1,10 @@
 //! From an ISF's words and levels to a capture.
 
 use super::block::{Encoding, Levels};
-use super::error::IsfError;
 use super::preamble::{self, PreambleText};
-use crate::quantity::{Dimension, engineering, parse_any};
+use crate::quantity::{Dimension, Quantity, engineering};
 use crate::recording::Capture;
+use crate::recording::error::{RecordingError, byte};
 use crate::recording::finite::check_numbers;
 use crate::scope::waveform::LEVELS_PER_DIVISION;
 use crate::scope::{Coupling, PointFormat, Preamble, Source, VerticalSetup, Waveform};
@@ -21,11 +21,11 @@ const PRINTING_TOLERANCE: f64 = 1e-4;
 /// Reads the `bytes` of an ISF file; `file_name` is for messages.
 ///
 /// # Errors
-/// [`IsfError`] with the byte where the file stops making sense.
-pub fn read(bytes: &[u8], file_name: &str) -> Result<Capture, IsfError> {
+/// [`RecordingError`] with the byte where the file stops making sense.
+pub fn read(bytes: &[u8], file_name: &str) -> Result<Capture, RecordingError> {
     if bytes.len() > MAXIMUM_BYTES {
-        let (file, found) = (file_name.to_owned(), bytes.len());
-        return Err(IsfError::TooLarge { file, found, limit: MAXIMUM_BYTES });
+        let found = format!("{} bytes", bytes.len());
+        return Err(RecordingError::found(file_name, found, format!("at most {MAXIMUM_BYTES}")));
     }
     let words = PreambleText::read(file_name, bytes)?;
     let mut notes = Vec::new();
@@ -34,7 +34,7 @@ pub fn read(bytes: &[u8], file_name: &str) -> Result<Capture, IsfError> {
     let encoding = Encoding::read(&words, &mut notes)?;
     let levels = encoding.levels(&words, bytes, &mut notes)?;
     note_points(&words, levels.codes.len(), &mut notes)?;
-    let mut or_zero = |key: preamble::PreambleKey| -> Result<f64, IsfError> {
+    let mut or_zero = |key: preamble::PreambleKey| -> Result<f64, RecordingError> {
         let number = words.number(key)?;
         if number.is_none() {
             notes.push(format!("{} taken as 0: not given in the file", key.name()));
@@ -88,11 +88,13 @@ fn note_points(
     words: &PreambleText<'_>,
     found: usize,
     notes: &mut Vec<String>,
-) -> Result<(), IsfError> {
+) -> Result<(), RecordingError> {
     if found == 0 {
-        let (file, offset) = (words.file.to_owned(), words.block);
-        let (found, expected) = ("no points".to_owned(), "at least one".to_owned());
-        return Err(IsfError::Block { file, offset, found, expected });
+        return Err(RecordingError::found(
+            byte(words.file, words.block),
+            "no points",
+            "at least one",
+        ));
     }
     let stated = words.number(preamble::POINTS)?;
     if let Some(stated) = stated.filter(|stated| (stated - found as f64).abs() > 0.0) {
@@ -128,8 +130,9 @@ impl Name {
             let Some(amount) = item.strip_suffix("/div") else { continue };
             let is_usable = |value: &f64| value.abs() <= preamble::LARGEST;
             let number = |unit| amount.strip_suffix(unit)?.trim().parse().ok().filter(is_usable);
-            let quantity = parse_any(amount).ok().filter(|(value, _)| is_usable(value));
-            let of = |kind| quantity.filter(|(_, found)| *found == kind).map(|(value, _)| value);
+            let quantity: Option<Quantity> = amount.parse().ok();
+            let quantity = quantity.filter(|quantity| is_usable(&quantity.value));
+            let of = |kind| quantity.filter(|q| q.dimension == kind).map(|q| q.value);
             name.scale = name.scale.or(of(Dimension::VOLTAGE)).or(number("dB"));
             let time = of(Dimension::TIME).or(number("Hz"));
             name.horizontal_scale = name.horizontal_scale.or(time);
@@ -144,7 +147,7 @@ fn settings(
     codes: Vec<i16>,
     preamble: Preamble,
     mut notes: Vec<String>,
-) -> Result<Capture, IsfError> {
+) -> Result<Capture, RecordingError> {
     let name = Name::read(&words.text(preamble::NAME)?.unwrap_or_default());
     let mut assume = |what: &str, taken: &str| {
         notes.push(format!("{what} taken as {taken}: not given in the file"));

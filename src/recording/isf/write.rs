@@ -1,8 +1,8 @@
 //! Writes a capture as an instrument of the TDS2000 family sends it: the 16 fields of `WFMPre?` in
 //! their order, with headers on, then the levels, signed, most significant byte first.
 
-use super::error::IsfError;
 use crate::recording::Capture;
+use crate::recording::error::RecordingError;
 use crate::scope::Waveform;
 use crate::scope::set_up::{nr3, waveform_id};
 
@@ -25,9 +25,9 @@ const MAX_SCALABLE_NUMBER: f64 = 1e300;
 /// Writes `capture`; levels that do not fit one byte take two whatever `width` says.
 ///
 /// # Errors
-/// [`IsfError::Unwritable`] for a number too large or too small to be scaled, a quote in a unit, or
+/// [`RecordingError`] for a number too large or too small to be scaled, a quote in a unit, or
 /// a record without points.
-pub fn write(capture: &Capture, width: Width) -> Result<Vec<u8>, IsfError> {
+pub fn write(capture: &Capture, width: Width) -> Result<Vec<u8>, RecordingError> {
     let waveform = &capture.waveform;
     check(waveform)?;
     let narrow: Option<Vec<i8>> =
@@ -69,12 +69,12 @@ fn preamble(waveform: &Waveform, bytes: u8, factor: f64) -> String {
     )
 }
 
-fn check(waveform: &Waveform) -> Result<(), IsfError> {
+fn check(waveform: &Waveform) -> Result<(), RecordingError> {
     let preamble = &waveform.preamble;
     let points = waveform.codes.len();
     if points == 0 || points > LARGEST_BLOCK / 2 {
         let expected = format!("1 to {}", LARGEST_BLOCK / 2);
-        return Err(unwritable("the number of points", points, expected));
+        return Err(RecordingError::unwritable("the number of points", points, expected));
     }
     for (what, value) in [
         ("x_incr", preamble.x_incr),
@@ -86,12 +86,16 @@ fn check(waveform: &Waveform) -> Result<(), IsfError> {
         ("the time base", waveform.horizontal_scale),
     ] {
         if value.is_nan() || value.abs() > MAX_SCALABLE_NUMBER {
-            return Err(unwritable(what, value, format!("a number up to {MAX_SCALABLE_NUMBER:e}")));
+            return Err(RecordingError::unwritable(
+                what,
+                value,
+                format!("a number up to {MAX_SCALABLE_NUMBER:e}"),
+            ));
         }
     }
     for (what, value) in [("x_incr", preamble.x_incr), ("y_mult", preamble.y_mult)] {
         if value < 1.0 / MAX_SCALABLE_NUMBER {
-            return Err(unwritable(
+            return Err(RecordingError::unwritable(
                 what,
                 value,
                 format!("at least {:e}", 1.0 / MAX_SCALABLE_NUMBER),
@@ -100,18 +104,14 @@ fn check(waveform: &Waveform) -> Result<(), IsfError> {
     }
     for (what, unit) in [("x_unit", &preamble.x_unit), ("y_unit", &preamble.y_unit)] {
         if unit.chars().any(|c| c == '"' || c.is_control()) {
-            return Err(unwritable(what, unit.escape_debug(), "text without quotes"));
+            return Err(RecordingError::unwritable(
+                what,
+                unit.escape_debug(),
+                "text without quotes",
+            ));
         }
     }
     Ok(())
-}
-
-fn unwritable(
-    what: &'static str,
-    found: impl std::fmt::Display,
-    expected: impl std::fmt::Display,
-) -> IsfError {
-    IsfError::Unwritable { what, found: found.to_string(), expected: expected.to_string() }
 }
 
 /// `value` to 13 digits, where the rest is round-off of a few operations.

@@ -9,13 +9,11 @@
 mod container;
 mod decode;
 mod encode;
-mod error;
 pub mod message;
 mod read;
 mod schema;
 mod write;
 
-pub use error::ReadError;
 pub use message::ShotNotes;
 pub use read::{IndexedRecording, ReadState, Traffic, read, read_bytes};
-pub use write::{RecordingWriter, WriteError, write, write_numbered};
+pub use write::{RecordingWriter, write, write_numbered};

@@ -13,12 +13,13 @@ use prost::Message as _;
 
 use super::container::{self, MAGIC, McapRecord, RECORD_HEADER_BYTES};
 use super::decode;
-use super::error::{LARGEST_FILE, ReadError};
 use super::message::{self, ShotNotes};
 use super::schema::Schema;
-use crate::recording::{Attachment, Direction, Origin, ScpiLine, Shot, TraceSet};
+use crate::recording::{Attachment, Direction, Origin, RecordingError, ScpiLine, Shot, TraceSet};
 use crate::scope::Source;
 
+/// Largest file that is read into memory (bytes).
+const LARGEST_FILE: u64 = 4 * 1024 * 1024 * 1024;
 /// More problems than this are counted but not listed.
 const MAX_LISTED_PROBLEMS: usize = 100;
 /// What is unpacked and kept of a file may take this and [`MAX_EXPANSION`] times its size (bytes).
@@ -44,9 +45,9 @@ const MAX_PEERS: usize = 1000;
 /// Reads a whole recording from `file`.
 ///
 /// # Errors
-/// [`ReadError`] if nothing can be read from it; lesser damage is listed in
+/// [`RecordingError`] if nothing can be read from it; lesser damage is listed in
 /// [`TraceSet::problems`].
-pub fn read(file: &Path) -> Result<TraceSet, ReadError> {
+pub fn read(file: &Path) -> Result<TraceSet, RecordingError> {
     IndexedRecording::open(file)?.into_set()
 }
 
@@ -54,7 +55,7 @@ pub fn read(file: &Path) -> Result<TraceSet, ReadError> {
 ///
 /// # Errors
 /// As [`read`].
-pub fn read_bytes(bytes: &[u8], file: &Path) -> Result<TraceSet, ReadError> {
+pub fn read_bytes(bytes: &[u8], file: &Path) -> Result<TraceSet, RecordingError> {
     IndexedRecording::begin(Box::new(Cursor::new(bytes.to_vec())), file)?.into_set()
 }
 
@@ -167,9 +168,9 @@ impl IndexedRecording {
     /// Opens `path` and reads its first bytes only.
     ///
     /// # Errors
-    /// [`ReadError`] if it cannot be read or is not an MCAP file.
-    pub fn open(path: &Path) -> Result<Self, ReadError> {
-        let failed = |source| ReadError::File { file: path.to_owned(), source };
+    /// [`RecordingError`] if it cannot be read or is not an MCAP file.
+    pub fn open(path: &Path) -> Result<Self, RecordingError> {
+        let failed = |source| RecordingError::caused(path, source);
         let mut file = File::open(path).map_err(failed)?;
         if file.metadata().map_err(failed)?.is_file() {
             return Self::begin(Box::new(file), path);
@@ -182,14 +183,13 @@ impl IndexedRecording {
         }
         let found = bytes.len() as u64;
         if found > MAX_UNPACKED_BYTES {
-            let file = path.to_owned();
-            return Err(ReadError::TooLarge { file, bytes: found, limit: MAX_UNPACKED_BYTES });
+            return Err(too_large(path, found, MAX_UNPACKED_BYTES));
         }
         Self::begin(Box::new(Cursor::new(bytes)), path)
     }
 
-    fn begin(mut input: Box<dyn Input>, path: &Path) -> Result<Self, ReadError> {
-        let failed = |source| ReadError::File { file: path.to_owned(), source };
+    fn begin(mut input: Box<dyn Input>, path: &Path) -> Result<Self, RecordingError> {
+        let failed = |source| RecordingError::caused(path, source);
         let mut head = Vec::new();
         (&mut input).take(MAGIC.len() as u64).read_to_end(&mut head).map_err(failed)?;
         if head != MAGIC {
@@ -198,7 +198,8 @@ impl IndexedRecording {
             } else {
                 head.escape_ascii().to_string()
             };
-            return Err(ReadError::NotMcap { file: path.to_owned(), found });
+            let expected = "an MCAP file, which begins with \\x89MCAP0\\r\\n";
+            return Err(RecordingError::found(path.display(), found, expected));
         }
         let size = input.size().map_err(failed)?;
         let mut checksum = crc32fast::Hasher::new();
@@ -221,15 +222,15 @@ impl IndexedRecording {
         })
     }
 
-    fn failed(&self, source: io::Error) -> ReadError {
-        ReadError::File { file: self.path.clone(), source }
+    fn failed(&self, source: io::Error) -> RecordingError {
+        RecordingError::caused(&self.path, source)
     }
 
     /// Indexes all that is in the file.
     ///
     /// # Errors
-    /// [`ReadError`] if it cannot be read, or if nothing of it is a recording.
-    pub fn read_all(&mut self) -> Result<(), ReadError> {
+    /// [`RecordingError`] if it cannot be read, or if nothing of it is a recording.
+    pub fn read_all(&mut self) -> Result<(), RecordingError> {
         while self.read_on()? == ReadState::More {}
         let facts = &self.reader.set;
         let is_empty = facts.metadata.is_empty()
@@ -239,7 +240,10 @@ impl IndexedRecording {
             && self.lines.is_empty();
         if is_empty {
             let first = self.facts().problems.into_iter().next();
-            return Err(ReadError::Empty { file: self.path.clone(), first });
+            let because = first.map(|problem| format!(" ({problem})")).unwrap_or_default();
+            let found =
+                format!("an MCAP file without a single readable capture, series or fact{because}");
+            return Err(RecordingError::found(self.path.display(), found, "a recording"));
         }
         Ok(())
     }
@@ -247,8 +251,8 @@ impl IndexedRecording {
     /// Indexes the next record, if it is whole.
     ///
     /// # Errors
-    /// [`ReadError::File`] if the file cannot be read any more.
-    pub fn read_on(&mut self) -> Result<ReadState, ReadError> {
+    /// [`RecordingError`] if the file cannot be read any more.
+    pub fn read_on(&mut self) -> Result<ReadState, RecordingError> {
         if self.end == ReadState::Finished {
             return Ok(self.end);
         }
@@ -466,8 +470,8 @@ impl IndexedRecording {
     /// included), in the order of the file.
     ///
     /// # Errors
-    /// [`ReadError::File`] if the file cannot be read any more.
-    pub fn lines(&mut self, from: u64, to: u64) -> Result<Vec<ScpiLine>, ReadError> {
+    /// [`RecordingError`] if the file cannot be read any more.
+    pub fn lines(&mut self, from: u64, to: u64) -> Result<Vec<ScpiLine>, RecordingError> {
         let mut lines = Vec::new();
         for range in self.line_ranges(from, to) {
             let mut start = range.start;
@@ -487,8 +491,8 @@ impl IndexedRecording {
     /// shot after it, in order; of many the nearest.
     ///
     /// # Errors
-    /// [`ReadError::File`] if the file cannot be read any more.
-    pub fn lines_around(&mut self, place: usize) -> Result<Vec<ScpiLine>, ReadError> {
+    /// [`RecordingError`] if the file cannot be read any more.
+    pub fn lines_around(&mut self, place: usize) -> Result<Vec<ScpiLine>, RecordingError> {
         let (from, to) = self.span_of(place);
         let mut lines = self.lines(from, to)?;
         let shot = self.shots.get(place).map(|shot| shot.timestamp_ns);
@@ -532,15 +536,18 @@ impl IndexedRecording {
     /// none beyond the last.
     ///
     /// # Errors
-    /// [`ReadError::File`] if the file cannot be read any more.
-    pub fn shot_and_notes(&mut self, place: usize) -> Result<Option<(Shot, ShotNotes)>, ReadError> {
+    /// [`RecordingError`] if the file cannot be read any more.
+    pub fn shot_and_notes(
+        &mut self,
+        place: usize,
+    ) -> Result<Option<(Shot, ShotNotes)>, RecordingError> {
         let Some(indexed) = self.shots.get(place) else { return Ok(None) };
         let number = indexed.number;
         let mut shot = empty_shot(number, indexed.timestamp_ns);
         let mut notes = ShotNotes::default();
         for place in indexed.records.clone() {
             let path = self.path.clone();
-            let failed = |source| ReadError::File { file: path, source };
+            let failed = |source| RecordingError::caused(&path, source);
             let reader = self.reread_for_shot(place).map_err(failed)?;
             if let Some(found) = reader.shots.get(&number) {
                 shot.origin = found.origin;
@@ -596,11 +603,11 @@ impl IndexedRecording {
     /// Reads everything into memory.
     ///
     /// # Errors
-    /// [`ReadError`] if it cannot be read, if nothing of it is a recording, or if it is too large.
-    pub fn into_set(mut self) -> Result<TraceSet, ReadError> {
+    /// [`RecordingError`] if it cannot be read, if nothing of it is a recording, or if it is too
+    /// large.
+    pub fn into_set(mut self) -> Result<TraceSet, RecordingError> {
         if self.size > LARGEST_FILE {
-            let (file, bytes) = (self.path, self.size);
-            return Err(ReadError::TooLarge { file, bytes, limit: LARGEST_FILE });
+            return Err(too_large(&self.path, self.size, LARGEST_FILE));
         }
         self.read_all()?;
         let mut set = self.facts();
@@ -834,4 +841,10 @@ impl Reader {
         self.current = number;
         self.shots.entry(number).or_insert_with(|| empty_shot(number, timestamp_ns))
     }
+}
+
+fn too_large(file: &Path, found: u64, limit: u64) -> RecordingError {
+    let found = format!("{found} bytes");
+    let expected = format!("at most {limit} to be held in memory: name one shot with --shot");
+    RecordingError::found(file.display(), found, expected)
 }

@@ -15,33 +15,12 @@ use super::encode::{capture_message, line_message, series_message};
 use super::message::{self, timestamp};
 use super::schema::Schema;
 use crate::files::NewFile;
-use crate::recording::{Attachment, ScpiLine, Shot, TraceSet, true_signal};
+use crate::recording::{Attachment, RecordingError, ScpiLine, Shot, TraceSet, true_signal};
 
 /// Profile that the file's header names.
 pub const PROFILE: &str = "hertzscope";
 /// Uncompressed size at which a chunk ends: a damaged chunk takes no more than this with it.
 const CHUNK_BYTES: u64 = 256 * 1024;
-
-/// Why a recording could not be written.
-#[derive(Debug, thiserror::Error)]
-pub enum WriteError {
-    /// The file could not be created, written or synchronised.
-    #[error("{file}")]
-    File {
-        /// The file.
-        file: PathBuf,
-        /// The system's error.
-        source: std::io::Error,
-    },
-    /// The container could not be written.
-    #[error("{file}")]
-    Container {
-        /// The file.
-        file: PathBuf,
-        /// The container writer's error.
-        source: mcap::McapError,
-    },
-}
 
 /// An open recording.
 pub struct RecordingWriter {
@@ -57,12 +36,12 @@ impl RecordingWriter {
     /// all of it.
     ///
     /// # Errors
-    /// [`WriteError`] where the file cannot be written.
+    /// [`RecordingError`] where the file cannot be written.
     pub fn create(
         file: &Path,
         metadata: &BTreeMap<String, BTreeMap<String, String>>,
         attachments: &[Attachment],
-    ) -> Result<Self, WriteError> {
+    ) -> Result<Self, RecordingError> {
         Self::begin(file, NewFile::replace(file), metadata, attachments)
     }
 
@@ -70,12 +49,12 @@ impl RecordingWriter {
     /// free number.
     ///
     /// # Errors
-    /// [`WriteError`] where the file cannot be written.
+    /// [`RecordingError`] where the file cannot be written.
     pub fn create_numbered(
         file: &Path,
         metadata: &BTreeMap<String, BTreeMap<String, String>>,
         attachments: &[Attachment],
-    ) -> Result<Self, WriteError> {
+    ) -> Result<Self, RecordingError> {
         Self::begin(file, NewFile::numbered(file), metadata, attachments)
     }
 
@@ -83,12 +62,12 @@ impl RecordingWriter {
     /// free number.
     ///
     /// # Errors
-    /// [`WriteError`] where the file cannot be written.
+    /// [`RecordingError`] where the file cannot be written.
     pub fn create_live(
         file: &Path,
         metadata: &BTreeMap<String, BTreeMap<String, String>>,
         attachments: &[Attachment],
-    ) -> Result<Self, WriteError> {
+    ) -> Result<Self, RecordingError> {
         let live = NewFile::live(file);
         let path = live.as_ref().map_or(file, NewFile::path).to_owned();
         Self::begin(&path, live, metadata, attachments)
@@ -99,10 +78,10 @@ impl RecordingWriter {
         output: std::io::Result<NewFile>,
         metadata: &BTreeMap<String, BTreeMap<String, String>>,
         attachments: &[Attachment],
-    ) -> Result<Self, WriteError> {
+    ) -> Result<Self, RecordingError> {
         let path = file.to_owned();
-        let container = |source| WriteError::Container { file: path.clone(), source };
-        let output = output.map_err(|source| WriteError::File { file: path.clone(), source })?;
+        let container = |source| RecordingError::caused(&path, source);
+        let output = output.map_err(|source| RecordingError::caused(&path, source))?;
         // To ask a buffered file where it is would empty the buffer each time.
         let target = NoSeek::new(BufWriter::new(output));
         let mut writer = WriteOptions::new()
@@ -134,11 +113,11 @@ impl RecordingWriter {
     /// Adds groups of facts.
     ///
     /// # Errors
-    /// [`WriteError`] where the file cannot be written.
+    /// [`RecordingError`] where the file cannot be written.
     pub fn add_facts(
         &mut self,
         metadata: &BTreeMap<String, BTreeMap<String, String>>,
-    ) -> Result<(), WriteError> {
+    ) -> Result<(), RecordingError> {
         for (name, facts) in metadata {
             let record = Metadata { name: name.clone(), metadata: facts.clone() };
             self.writer.write_metadata(&record).map_err(|source| self.container(source))?;
@@ -149,8 +128,8 @@ impl RecordingWriter {
     /// Adds a file that travels with the recording.
     ///
     /// # Errors
-    /// [`WriteError`] where the file cannot be written.
-    pub fn attach(&mut self, attachment: &Attachment) -> Result<(), WriteError> {
+    /// [`RecordingError`] where the file cannot be written.
+    pub fn attach(&mut self, attachment: &Attachment) -> Result<(), RecordingError> {
         let attachment = McapAttachment {
             log_time: 0,
             create_time: 0,
@@ -164,8 +143,8 @@ impl RecordingWriter {
     /// Adds one shot and hands it to the operating system before returning.
     ///
     /// # Errors
-    /// [`WriteError`] where the file cannot be written.
-    pub fn add(&mut self, shot: &Shot, notes: &ShotNotes) -> Result<(), WriteError> {
+    /// [`RecordingError`] where the file cannot be written.
+    pub fn add(&mut self, shot: &Shot, notes: &ShotNotes) -> Result<(), RecordingError> {
         let at = shot.timestamp_ns;
         let set_up = message::SetupMessage {
             timestamp: Some(timestamp(at)),
@@ -198,12 +177,12 @@ impl RecordingWriter {
     /// Adds lines of the log that belong to no shot; before the first shot.
     ///
     /// # Errors
-    /// [`WriteError`] if the file cannot be written.
-    pub fn add_log(&mut self, lines: &[(bool, String)]) -> Result<(), WriteError> {
+    /// [`RecordingError`] if the file cannot be written.
+    pub fn add_log(&mut self, lines: &[(bool, String)]) -> Result<(), RecordingError> {
         self.log(lines, 0)
     }
 
-    fn log(&mut self, lines: &[(bool, String)], at: u64) -> Result<(), WriteError> {
+    fn log(&mut self, lines: &[(bool, String)], at: u64) -> Result<(), RecordingError> {
         for (warning, line) in lines {
             let log = message::LogMessage {
                 timestamp: Some(timestamp(at)),
@@ -220,8 +199,8 @@ impl RecordingWriter {
     /// Adds a command or a reply; it may stay in memory until [`Self::flush`] or the next shot.
     ///
     /// # Errors
-    /// [`WriteError`] where the file cannot be written.
-    pub fn add_line(&mut self, line: &ScpiLine) -> Result<(), WriteError> {
+    /// [`RecordingError`] where the file cannot be written.
+    pub fn add_line(&mut self, line: &ScpiLine) -> Result<(), RecordingError> {
         let message = line_message(line).encode_to_vec();
         self.message("/scpi", Schema::ScpiLine, line.timestamp_ns, &message)
     }
@@ -229,8 +208,8 @@ impl RecordingWriter {
     /// Hands everything to the operating system before returning.
     ///
     /// # Errors
-    /// [`WriteError`] where the file cannot be written.
-    pub fn flush(&mut self) -> Result<(), WriteError> {
+    /// [`RecordingError`] where the file cannot be written.
+    pub fn flush(&mut self) -> Result<(), RecordingError> {
         self.writer.flush().map_err(|source| self.container(source))
     }
 
@@ -243,11 +222,11 @@ impl RecordingWriter {
     /// name.
     ///
     /// # Errors
-    /// [`WriteError`] where the file cannot be written.
-    pub fn finish(mut self) -> Result<PathBuf, WriteError> {
+    /// [`RecordingError`] where the file cannot be written.
+    pub fn finish(mut self) -> Result<PathBuf, RecordingError> {
         self.writer.finish().map_err(|source| self.container(source))?;
         let file = self.file;
-        let system = |source| WriteError::File { file: file.clone(), source };
+        let system = |source| RecordingError::caused(&file, source);
         let buffer = self.writer.into_inner().into_inner();
         buffer.into_inner().map_err(|e| system(e.into_error()))?.complete().map_err(system)
     }
@@ -258,7 +237,7 @@ impl RecordingWriter {
         schema: Schema,
         at: u64,
         data: &[u8],
-    ) -> Result<(), WriteError> {
+    ) -> Result<(), RecordingError> {
         let channel_id = self.channel(topic, schema).map_err(|source| self.container(source))?;
         let header =
             MessageHeader { channel_id, sequence: self.sequence, log_time: at, publish_time: at };
@@ -282,16 +261,16 @@ impl RecordingWriter {
         Ok(id)
     }
 
-    fn container(&self, source: mcap::McapError) -> WriteError {
-        WriteError::Container { file: self.file.clone(), source }
+    fn container(&self, source: mcap::McapError) -> RecordingError {
+        RecordingError::caused(&self.file, source)
     }
 }
 
 /// Writes a whole set, such as an import, to `file`, replacing it.
 ///
 /// # Errors
-/// [`WriteError`] where the file cannot be written.
-pub fn write(file: &Path, set: &TraceSet) -> Result<(), WriteError> {
+/// [`RecordingError`] where the file cannot be written.
+pub fn write(file: &Path, set: &TraceSet) -> Result<(), RecordingError> {
     write_set(RecordingWriter::create(file, &set.metadata, &set.attachments)?, set).map(|_| ())
 }
 
@@ -299,12 +278,12 @@ pub fn write(file: &Path, set: &TraceSet) -> Result<(), WriteError> {
 /// recording's name.
 ///
 /// # Errors
-/// [`WriteError`] where the file cannot be written.
-pub fn write_numbered(file: &Path, set: &TraceSet) -> Result<PathBuf, WriteError> {
+/// [`RecordingError`] where the file cannot be written.
+pub fn write_numbered(file: &Path, set: &TraceSet) -> Result<PathBuf, RecordingError> {
     write_set(RecordingWriter::create_numbered(file, &set.metadata, &set.attachments)?, set)
 }
 
-fn write_set(mut writer: RecordingWriter, set: &TraceSet) -> Result<PathBuf, WriteError> {
+fn write_set(mut writer: RecordingWriter, set: &TraceSet) -> Result<PathBuf, RecordingError> {
     // Lines that belong to no shot go with the last one.
     let known: usize = set.notes.values().map(|notes| notes.log.len()).sum();
     let mut loose = if known == 0 { set.log.as_slice() } else { &[] };

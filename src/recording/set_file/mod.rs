@@ -15,6 +15,7 @@ use std::fmt::Write as _;
 
 use super::Capture;
 use super::command_text::{command, path, unquoted};
+use super::error::{RecordingError, excerpt_of_bytes};
 use crate::quantity::engineering;
 use crate::scope::waveform::LEVELS_PER_DIVISION;
 use crate::scope::{Coupling, Slope, Source};
@@ -48,12 +49,15 @@ impl SetFile {
     /// Reads the `bytes` of a `.SET` file; `file_name` is for messages.
     ///
     /// # Errors
-    /// [`SetFileError`] for anything that is not a list of settings.
-    pub fn read(bytes: &[u8], file_name: &str) -> Result<Self, SetFileError> {
-        let file = || file_name.to_owned();
+    /// [`RecordingError`] for anything that is not a list of settings.
+    pub fn read(bytes: &[u8], file_name: &str) -> Result<Self, RecordingError> {
         if bytes.len() > MAXIMUM_BYTES {
-            let found = bytes.len();
-            return Err(SetFileError::TooLarge { file: file(), found, limit: MAXIMUM_BYTES });
+            let found = format!("{} bytes", bytes.len());
+            return Err(RecordingError::found(
+                file_name,
+                found,
+                format!("at most {MAXIMUM_BYTES}"),
+            ));
         }
         let (mut at, mut settings) = (0, Vec::<SetFileEntry>::new());
         while let Some((found, next)) = command(bytes, at) {
@@ -64,12 +68,11 @@ impl SetFile {
             let value = std::str::from_utf8(found.value).ok().filter(|text| is_value(text));
             let (Some(header), Some(value)) = (header, value) else {
                 let before = bytes.get(..found.offset).unwrap_or_default();
-                return Err(SetFileError::NoSetting {
-                    file: file(),
-                    line: before.split(|byte| *byte == b'\n').count(),
-                    offset: found.offset,
-                    found: excerpt(bytes.get(found.offset..next).unwrap_or_default()),
-                });
+                let line = before.split(|byte| *byte == b'\n').count();
+                let place = format!("{file_name}, line {line}, byte {}", found.offset);
+                let text = excerpt_of_bytes(bytes.get(found.offset..next).unwrap_or_default());
+                let expected = "a setting such as `:CH1:SCALE 1.0E0`";
+                return Err(RecordingError::found(place, text, expected));
             };
             let before = settings.last().map(|setting| setting.path.as_str()).unwrap_or_default();
             let path = path(header, before);
@@ -79,7 +82,8 @@ impl SetFile {
             at = next;
         }
         if settings.is_empty() {
-            return Err(SetFileError::Empty { file: file() });
+            let expected = "at least one, such as `:CH1:SCALE 1.0E0`";
+            return Err(RecordingError::found(file_name, "no setting", expected));
         }
         Ok(Self { settings })
     }
@@ -258,44 +262,4 @@ fn is_header(text: &str) -> bool {
 
 fn is_value(text: &str) -> bool {
     !text.is_empty() && !text.chars().any(char::is_control)
-}
-
-fn excerpt(bytes: &[u8]) -> String {
-    const LONGEST: usize = 40;
-    bytes.get(..bytes.len().min(LONGEST)).unwrap_or_default().escape_ascii().to_string()
-}
-
-/// Why a file is no `.SET` file.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum SetFileError {
-    /// The file is larger than any of this format.
-    #[error("{file}: found {found} bytes, expected at most {limit}")]
-    TooLarge {
-        /// The file's name.
-        file: String,
-        /// Its size in bytes.
-        found: usize,
-        /// The largest size that is read, in bytes.
-        limit: usize,
-    },
-    /// Not a setting.
-    #[error(
-        "{file}, line {line}, byte {offset}: found `{found}`, expected a setting such as `:CH1:SCALE 1.0E0`"
-    )]
-    NoSetting {
-        /// The file's name.
-        file: String,
-        /// Line, counted from 1.
-        line: usize,
-        /// Where in the file, counted from 0.
-        offset: usize,
-        /// The text found.
-        found: String,
-    },
-    /// Not one setting.
-    #[error("{file}: found no setting, expected at least one, such as `:CH1:SCALE 1.0E0`")]
-    Empty {
-        /// The file's name.
-        file: String,
-    },
 }

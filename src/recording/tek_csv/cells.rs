@@ -7,8 +7,8 @@
 
 use std::borrow::Cow;
 
-use super::error::{FileLocation, TekCsvError, excerpt, place};
 use super::text::BYTE_ORDER_MARK;
+use crate::recording::error::{FileLocation, RecordingError, excerpt, place};
 
 /// Most rows that are read.
 pub(super) const MAX_ROWS: usize = 2_000_000;
@@ -50,12 +50,13 @@ pub(super) struct Cells<'a> {
 
 impl<'a> CsvRows<'a> {
     /// Finds the separator and the decimal mark of `text`.
-    pub(super) fn new(file: &'a str, text: &'a str) -> Result<Self, TekCsvError> {
+    pub(super) fn new(file: &'a str, text: &'a str) -> Result<Self, RecordingError> {
         let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
         let found = text.bytes().filter(|byte| *byte == b'\n').count();
         if found > MAX_ROWS {
-            let file = file.to_owned();
-            return Err(TekCsvError::TooManyRows { file, found, limit: MAX_ROWS });
+            let problem = format!("{found} rows are more than the {MAX_ROWS} that are read");
+            let advice = "cut the record, or save fewer points";
+            return Err(RecordingError::new(file, format_args!("{problem}: {advice}")));
         }
         let mut lines: Vec<&str> = text.lines().collect();
         while lines.last().is_some_and(|line| line.trim().is_empty()) {
@@ -126,25 +127,26 @@ impl<'a> Cells<'a> {
         self.parse(self.text(index))
     }
 
-    pub(super) fn number(&self, index: usize) -> Result<PrintedNumber, TekCsvError> {
-        self.maybe_number(index).ok_or_else(|| TekCsvError::Field {
-            place: self.place(index),
-            found: excerpt(self.text(index)),
-            expected: if self.decimal_comma {
-                "a number with a decimal comma, as elsewhere in the file"
-            } else {
-                "a number"
-            },
+    pub(super) fn number(&self, index: usize) -> Result<PrintedNumber, RecordingError> {
+        self.maybe_number(index).ok_or_else(|| {
+            let found = excerpt(self.text(index));
+            RecordingError::found(self.place(index), found, self.expected_number())
         })
     }
 
-    /// The error that a cell has something in it below an empty one.
-    pub(super) fn empty_above(&self, index: usize) -> TekCsvError {
-        TekCsvError::Field {
-            place: self.place(index),
-            found: excerpt(self.text(index)),
-            expected: "no number below an empty cell",
+    /// What is expected where a cell holds no number.
+    pub(super) fn expected_number(&self) -> &'static str {
+        if self.decimal_comma {
+            "a number with a decimal comma, as elsewhere in the file"
+        } else {
+            "a number"
         }
+    }
+
+    /// The error that a cell has something in it below an empty one.
+    pub(super) fn empty_above(&self, index: usize) -> RecordingError {
+        let found = excerpt(self.text(index));
+        RecordingError::found(self.place(index), found, "no number below an empty cell")
     }
 
     pub(super) fn file(&self) -> &'a str {
@@ -312,6 +314,6 @@ mod tests {
         let table = CsvRows::new("a.csv", "\u{feff}\"-0,03\",\"0,5\"\r\n\"-0,02\",\"1\"\r\n\r\n");
         let table = table.expect("short");
         assert_eq!((table.len(), table.separator, table.decimal_comma), (2, ',', true));
-        assert_eq!(table.row(0).number(1).map(|p| p.value), Ok(0.5));
+        assert_eq!(table.row(0).maybe_number(1).map(|p| p.value), Some(0.5));
     }
 }

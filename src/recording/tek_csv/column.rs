@@ -7,7 +7,7 @@
 //! most digits `S` of the column and the number's magnitude `m = floor(log10 |v|)`.
 
 use super::cells::{Cells, PrintedNumber};
-use super::error::{FileLocation, TekCsvError};
+use crate::recording::error::{FileLocation, RecordingError};
 
 /// Digits of single precision that can be relied on; numbers that went through it are printed with
 /// more.
@@ -34,7 +34,7 @@ pub(super) struct SampleColumn {
 
 impl SampleColumn {
     /// Adds cell `index` of `row`.
-    pub(super) fn push(&mut self, row: &Cells<'_>, index: usize) -> Result<(), TekCsvError> {
+    pub(super) fn push(&mut self, row: &Cells<'_>, index: usize) -> Result<(), RecordingError> {
         let PrintedNumber { value, decimals, digits } = row.number(index)?;
         self.decimals = if self.values.is_empty() { decimals } else { self.decimals.max(decimals) };
         self.digits = self.digits.max(digits);

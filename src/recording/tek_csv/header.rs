@@ -3,11 +3,10 @@
 
 use super::abscissa;
 use super::cells::RowFields;
-use super::error::place;
-use super::error::{FileLocation, TekCsvError, excerpt};
 use super::layout::{self, Domain, HeaderLayout, Numbers};
 use crate::quantity::c_exponential;
 use crate::recording::InstrumentIdentity;
+use crate::recording::error::{FileLocation, RecordingError, excerpt, place};
 use crate::scope::{PointFormat, Source};
 
 /// Fields in every row.
@@ -24,7 +23,7 @@ pub(super) struct HeaderRow<'a> {
 
 impl<'a> HeaderRow<'a> {
     /// Splits line number `line`, counted from 1.
-    pub(super) fn split(file: &'a str, line: usize, text: &'a str) -> Result<Self, TekCsvError> {
+    pub(super) fn split(file: &'a str, line: usize, text: &'a str) -> Result<Self, RecordingError> {
         let mut fields = [""; FIELDS];
         let mut found = 0;
         for (field, _) in RowFields::of(text, ',', false) {
@@ -37,11 +36,12 @@ impl<'a> HeaderRow<'a> {
             Ok(Self { file, line, fields })
         } else {
             let column = text.chars().count() + 1;
-            Err(TekCsvError::FieldCount {
-                place: place(file, line, column),
-                found,
-                expected: FIELDS,
-            })
+            let expected = format!("{FIELDS}, the last one empty");
+            Err(RecordingError::found(
+                place(file, line, column),
+                format!("{found} fields"),
+                expected,
+            ))
         }
     }
 
@@ -53,14 +53,12 @@ impl<'a> HeaderRow<'a> {
     }
 
     /// Refuses the row if field `index` has something in it.
-    pub(super) fn expect_empty(&self, index: usize) -> Result<(), TekCsvError> {
+    pub(super) fn expect_empty(&self, index: usize) -> Result<(), RecordingError> {
         match self.fields.get(index) {
             None | Some(&"") => Ok(()),
-            Some(field) => Err(TekCsvError::Field {
-                place: self.place(index),
-                found: excerpt(field),
-                expected: "an empty field",
-            }),
+            Some(field) => {
+                Err(RecordingError::found(self.place(index), excerpt(field), "an empty field"))
+            }
         }
     }
 
@@ -90,7 +88,7 @@ pub(super) struct CsvHeader {
 
 impl CsvHeader {
     /// Reads the header from a file's lines, of which there may be too few.
-    pub(super) fn read(file: &str, lines: &[&str]) -> Result<Self, TekCsvError> {
+    pub(super) fn read(file: &str, lines: &[&str]) -> Result<Self, RecordingError> {
         let layout = match lines.get(HeaderLayout::Old.keys().len() - 1) {
             Some(line) if line.starts_with(layout::FIRMWARE) => HeaderLayout::Old,
             _ => HeaderLayout::Named,
@@ -127,7 +125,11 @@ struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    fn read(file: &'a str, lines: &[&'a str], layout: HeaderLayout) -> Result<Self, TekCsvError> {
+    fn read(
+        file: &'a str,
+        lines: &[&'a str],
+        layout: HeaderLayout,
+    ) -> Result<Self, RecordingError> {
         let mut rows = Vec::with_capacity(layout.keys().len());
         for (index, key) in layout.keys().iter().enumerate() {
             let number = index + 1;
@@ -147,30 +149,25 @@ impl<'a> Rows<'a> {
         Ok(Self { file, rows })
     }
 
-    fn row(&self, key: &'static str) -> Result<&HeaderRow<'a>, TekCsvError> {
+    fn row(&self, key: &'static str) -> Result<&HeaderRow<'a>, RecordingError> {
         let missing = || wrong_key(self.file, self.rows.len(), "no such row".to_owned(), key);
         self.rows.iter().find(|row| row.key() == key).ok_or_else(missing)
     }
 
-    fn text(&self, key: &'static str) -> Result<&'a str, TekCsvError> {
+    fn text(&self, key: &'static str) -> Result<&'a str, RecordingError> {
         self.row(key).map(HeaderRow::value)
     }
 
     /// The error that `key`'s value is not what was `expected`.
-    fn wrong(&self, key: &'static str, expected: String) -> TekCsvError {
+    fn wrong(&self, key: &'static str, expected: String) -> RecordingError {
         match self.row(key) {
-            Ok(row) => TekCsvError::Entry {
-                place: row.place(1),
-                key: key.to_owned(),
-                found: excerpt(row.value()),
-                expected,
-            },
+            Ok(row) => RecordingError::value(row.place(1), key, excerpt(row.value()), expected),
             Err(error) => error,
         }
     }
 
     /// A number exactly as C prints it with `%.{decimals}e`.
-    fn number(&self, key: &'static str, decimals: usize) -> Result<f64, TekCsvError> {
+    fn number(&self, key: &'static str, decimals: usize) -> Result<f64, RecordingError> {
         let text = self.text(key)?;
         text.parse()
             .ok()
@@ -180,7 +177,7 @@ impl<'a> Rows<'a> {
             })
     }
 
-    fn record_length(&self, domain: Domain) -> Result<(), TekCsvError> {
+    fn record_length(&self, domain: Domain) -> Result<(), RecordingError> {
         let expected = c_exponential(f64::from(domain.record_length()), layout::DECIMALS);
         if self.text(layout::RECORD_LENGTH)? == expected {
             Ok(())
@@ -190,7 +187,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    fn numbers(&self, domain: Domain) -> Result<Numbers, TekCsvError> {
+    fn numbers(&self, domain: Domain) -> Result<Numbers, RecordingError> {
         let number = |key| self.number(key, layout::DECIMALS);
         let printed = number(layout::SAMPLE_INTERVAL)?;
         let text = self.text(layout::SAMPLE_INTERVAL)?;
@@ -206,7 +203,7 @@ impl<'a> Rows<'a> {
     }
 
     /// The source, and a note of its spelling where that is not the usual one.
-    fn source(&self) -> Result<(Source, Option<String>), TekCsvError> {
+    fn source(&self) -> Result<(Source, Option<String>), RecordingError> {
         let text = self.text(layout::SOURCE)?;
         let source = layout::source_of(text).ok_or_else(|| {
             self.wrong(layout::SOURCE, "CH1 to CH4, MATH or REFA to REFD".to_owned())
@@ -214,7 +211,7 @@ impl<'a> Rows<'a> {
         Ok((source, layout::spelling_note(source, text)))
     }
 
-    fn point_format(&self) -> Result<PointFormat, TekCsvError> {
+    fn point_format(&self) -> Result<PointFormat, RecordingError> {
         let text = self.text(layout::POINT_FORMAT)?;
         [PointFormat::Sample, PointFormat::Envelope]
             .into_iter()
@@ -222,7 +219,7 @@ impl<'a> Rows<'a> {
             .ok_or_else(|| self.wrong(layout::POINT_FORMAT, "Y or ENV".to_owned()))
     }
 
-    fn instrument(&self, layout: HeaderLayout) -> Result<InstrumentIdentity, TekCsvError> {
+    fn instrument(&self, layout: HeaderLayout) -> Result<InstrumentIdentity, RecordingError> {
         let (model, serial) = match layout {
             HeaderLayout::Named => (self.name(layout::MODEL)?, self.printable(layout::SERIAL)?),
             HeaderLayout::Old => (String::new(), String::new()),
@@ -231,7 +228,7 @@ impl<'a> Rows<'a> {
     }
 
     /// A text that is not empty.
-    fn name(&self, key: &'static str) -> Result<String, TekCsvError> {
+    fn name(&self, key: &'static str) -> Result<String, RecordingError> {
         let text = self.printable(key)?;
         if text.is_empty() {
             return Err(self.wrong(key, "a name".to_owned()));
@@ -240,7 +237,7 @@ impl<'a> Rows<'a> {
     }
 
     /// A text without control characters.
-    fn printable(&self, key: &'static str) -> Result<String, TekCsvError> {
+    fn printable(&self, key: &'static str) -> Result<String, RecordingError> {
         let text = self.text(key)?;
         if text.chars().any(char::is_control) {
             return Err(self.wrong(key, "text without control characters".to_owned()));
@@ -249,7 +246,7 @@ impl<'a> Rows<'a> {
     }
 }
 
-fn wrong_key(file: &str, line: usize, found: String, key: &str) -> TekCsvError {
+fn wrong_key(file: &str, line: usize, found: String, key: &str) -> RecordingError {
     let expected = if key.is_empty() { "an empty field".to_owned() } else { format!("`{key}`") };
-    TekCsvError::Header { place: place(file, line, 1), found, expected }
+    RecordingError::found(place(file, line, 1), found, expected)
 }

@@ -16,10 +16,10 @@
 use super::cells::CsvRows;
 use super::column::{SINGLE_PRECISION_DIGITS, SampleColumn, rounded};
 use super::detection::rows_above;
-use super::error::{TekCsvError, excerpt};
 use super::times::StatedTimeBase;
 use super::unscaled_import::UnscaledImport;
 use super::{layout, names};
+use crate::recording::error::{RecordingError, excerpt};
 use crate::recording::{Capture, InstrumentIdentity};
 use crate::scope::{PointFormat, Source};
 
@@ -57,18 +57,20 @@ impl<'a> Block<'a, '_> {
     }
 
     /// The number beside `key`; `None` where the file does not have it.
-    pub(super) fn number(&self, key: &str) -> Result<Option<f64>, TekCsvError> {
+    pub(super) fn number(&self, key: &str) -> Result<Option<f64>, RecordingError> {
         match self.text(key) {
             None | Some(("", _)) => Ok(None),
             Some((_, index)) => {
-                let number = self.table.row(index).number(self.column + 1);
-                number.map(|printed| Some(printed.value)).map_err(|error| entry(error, key))
+                let row = self.table.row(index);
+                let number = row.maybe_number(self.column + 1);
+                let wrong = || self.wrong(key, index, row.expected_number());
+                number.map(|printed| Some(printed.value)).ok_or_else(wrong)
             }
         }
     }
 
     /// Everything but the zero level, which dialects put in different rows.
-    pub(super) fn import(&self) -> Result<UnscaledImport, TekCsvError> {
+    pub(super) fn import(&self) -> Result<UnscaledImport, RecordingError> {
         let (times, values) = self.samples()?;
         let mut draft = UnscaledImport {
             times,
@@ -94,7 +96,7 @@ impl<'a> Block<'a, '_> {
         Ok(draft)
     }
 
-    fn note_rows(&self, draft: &mut UnscaledImport) -> Result<(), TekCsvError> {
+    fn note_rows(&self, draft: &mut UnscaledImport) -> Result<(), RecordingError> {
         if self.head > 0 {
             let names: Vec<String> = (0..self.head)
                 .map(|index| {
@@ -115,7 +117,7 @@ impl<'a> Block<'a, '_> {
         Ok(())
     }
 
-    fn samples(&self) -> Result<(SampleColumn, SampleColumn), TekCsvError> {
+    fn samples(&self) -> Result<(SampleColumn, SampleColumn), RecordingError> {
         let (mut times, mut values) = (SampleColumn::default(), SampleColumn::default());
         let (time, value) = (self.column + TO_TIME, self.column + TO_VALUE);
         for index in self.head..self.table.len() {
@@ -130,7 +132,7 @@ impl<'a> Block<'a, '_> {
         Ok((times, values))
     }
 
-    fn source(&self) -> Result<Option<Source>, TekCsvError> {
+    fn source(&self) -> Result<Option<Source>, RecordingError> {
         let Some((text, index)) = self.text(layout::SOURCE).filter(|(text, _)| !text.is_empty())
         else {
             return Ok(None);
@@ -140,7 +142,7 @@ impl<'a> Block<'a, '_> {
             .ok_or_else(|| self.wrong(layout::SOURCE, index, "CH1 to CH8, MATH or REFA to REFD"))
     }
 
-    fn point_format(&self) -> Result<Option<PointFormat>, TekCsvError> {
+    fn point_format(&self) -> Result<Option<PointFormat>, RecordingError> {
         match self.text(layout::POINT_FORMAT) {
             None | Some(("", _)) => Ok(None),
             Some(("Y", _)) => Ok(Some(PointFormat::Sample)),
@@ -149,14 +151,10 @@ impl<'a> Block<'a, '_> {
         }
     }
 
-    fn wrong(&self, key: &str, index: usize, expected: &str) -> TekCsvError {
+    fn wrong(&self, key: &str, index: usize, expected: &str) -> RecordingError {
         let row = self.table.row(index);
-        TekCsvError::Entry {
-            place: row.place(self.column + 1),
-            key: key.to_owned(),
-            found: excerpt(row.text(self.column + 1)),
-            expected: expected.to_owned(),
-        }
+        let found = excerpt(row.text(self.column + 1));
+        RecordingError::value(row.place(self.column + 1), key, found, expected)
     }
 
     fn unit(&self, key: &str) -> Option<String> {
@@ -183,21 +181,11 @@ pub(super) fn unit(text: &str) -> String {
     .to_owned()
 }
 
-fn entry(error: TekCsvError, key: &str) -> TekCsvError {
-    match error {
-        TekCsvError::Field { place, found, expected } => {
-            let (key, expected) = (key.to_owned(), expected.to_owned());
-            TekCsvError::Entry { place, key, found, expected }
-        }
-        other => other,
-    }
-}
-
 const NOTE: &str = "Note";
 /// Digits of single precision that the header's numbers keep.
 const DIGITS: usize = 6;
 
-pub(super) fn read_openchoice(table: &CsvRows<'_>) -> Result<Vec<Capture>, TekCsvError> {
+pub(super) fn read_openchoice(table: &CsvRows<'_>) -> Result<Vec<Capture>, RecordingError> {
     (1..).zip(blocks(table)).map(|(channel, block)| capture(table, &block, channel)).collect()
 }
 
@@ -205,7 +193,7 @@ fn capture(
     table: &CsvRows<'_>,
     block: &Block<'_, '_>,
     channel: u8,
-) -> Result<Capture, TekCsvError> {
+) -> Result<Capture, RecordingError> {
     let mut draft = block.import()?;
     draft.times.limit_digits(SINGLE_PRECISION_DIGITS);
     draft.values.limit_digits(SINGLE_PRECISION_DIGITS);
@@ -242,7 +230,7 @@ fn note(draft: &mut UnscaledImport, block: &Block<'_, '_>) {
     draft.notes.push(format!("OpenChoice says: {text}"));
 }
 
-pub(super) fn read_spreadsheet(table: &CsvRows<'_>) -> Result<Vec<Capture>, TekCsvError> {
+pub(super) fn read_spreadsheet(table: &CsvRows<'_>) -> Result<Vec<Capture>, RecordingError> {
     (1..)
         .zip(blocks(table))
         .map(|(channel, block)| {

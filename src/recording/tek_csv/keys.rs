@@ -2,8 +2,8 @@
 //! channel, or the whole list again for a table to the right.
 
 use super::cells::CsvRows;
-use super::error::{TekCsvError, excerpt};
 use super::names;
+use crate::recording::error::{RecordingError, excerpt};
 use crate::scope::Source;
 
 /// Words of different makers for the same.
@@ -94,17 +94,15 @@ impl<'a> TableKeys<'a, '_> {
         &self,
         keys: &[&str],
         asked: KeyRequest,
-    ) -> Result<Option<f64>, TekCsvError> {
+    ) -> Result<Option<f64>, RecordingError> {
         let Some((row, cell, text)) = self.find(keys, asked) else { return Ok(None) };
         let row = self.table.row(row);
         match row.parse(text) {
             Some(printed) => Ok(Some(printed.value)),
-            None => Err(TekCsvError::Entry {
-                place: row.place(cell),
-                key: row.texts().next().unwrap_or_default().to_owned(),
-                found: excerpt(text),
-                expected: "a number".to_owned(),
-            }),
+            None => {
+                let key = row.texts().next().unwrap_or_default();
+                Err(RecordingError::value(row.place(cell), key, excerpt(text), "a number"))
+            }
         }
     }
 }

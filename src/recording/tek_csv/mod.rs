@@ -52,7 +52,6 @@ mod column;
 mod columns;
 mod detection;
 mod dialect;
-mod error;
 mod header;
 mod header_columns;
 mod keys;
@@ -69,6 +68,5 @@ mod write;
 
 pub use columns::{EXAMPLE as COLUMNS_EXAMPLE, TableColumns};
 pub use dialect::Dialect;
-pub use error::{FileLocation, TekCsvError};
 pub use read::{MAXIMUM_BYTES, read, read_all, read_columns};
 pub use write::write;

@@ -7,13 +7,12 @@ use super::cells::CsvRows;
 use super::columns::TableColumns;
 use super::detection;
 use super::dialect::Dialect;
-use super::error::place;
-use super::error::{TekCsvError, excerpt};
 use super::header::{CsvHeader, HeaderRow};
 use super::layout::{Domain, Numbers, PRINTING_ERROR};
 use super::text::{DecodedText, decode};
 use super::{header_columns, table};
 use crate::recording::Capture;
+use crate::recording::error::{RecordingError, excerpt, place};
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 use crate::scope::{Preamble, VerticalSetup, Waveform};
 
@@ -29,17 +28,17 @@ const ORDINATE: usize = 4;
 /// Reads the `bytes` of a native CSV file; `file_name` is for messages.
 ///
 /// # Errors
-/// [`TekCsvError`] when the file is too large, empty, no text, of another dialect, or when any
+/// [`RecordingError`] when the file is too large, empty, no text, of another dialect, or when any
 /// field of it disagrees with the format or with the file's own header.
-pub fn read(bytes: &[u8], file_name: &str) -> Result<Capture, TekCsvError> {
+pub fn read(bytes: &[u8], file_name: &str) -> Result<Capture, RecordingError> {
     let text = checked_text(bytes, file_name)?;
     if let Some(dialect) = detection::foreign(&CsvRows::new(file_name, text)?) {
-        return Err(TekCsvError::UnsupportedDialect {
-            file: file_name.to_owned(),
-            dialect,
-            line: 1,
-            found: excerpt(text.lines().next().unwrap_or_default()),
-        });
+        let first = excerpt(text.lines().next().unwrap_or_default());
+        let problem = format!("found {first}, which looks like {dialect}");
+        return Err(RecordingError::new(
+            format_args!("{file_name}, line 1"),
+            format_args!("{problem}; expected the native CSV of a TDS1000/2000"),
+        ));
     }
     native(text, file_name)
 }
@@ -48,9 +47,9 @@ pub fn read(bytes: &[u8], file_name: &str) -> Result<Capture, TekCsvError> {
 /// it. What had to be guessed stands in their notes.
 ///
 /// # Errors
-/// As [`read`], and for other dialects [`TekCsvError`] when a number is none, the times are not
+/// As [`read`], and for other dialects [`RecordingError`] when a number is none, the times are not
 /// even, or it cannot be told which column holds what.
-pub fn read_all(bytes: &[u8], file_name: &str) -> Result<Vec<Capture>, TekCsvError> {
+pub fn read_all(bytes: &[u8], file_name: &str) -> Result<Vec<Capture>, RecordingError> {
     read_columns(bytes, file_name, &TableColumns::default())
 }
 
@@ -63,7 +62,7 @@ pub fn read_columns(
     bytes: &[u8],
     file_name: &str,
     columns: &TableColumns,
-) -> Result<Vec<Capture>, TekCsvError> {
+) -> Result<Vec<Capture>, RecordingError> {
     check_size(bytes, file_name)?;
     let DecodedText { text, notes } = decode(bytes, file_name)?;
     let table = CsvRows::new(file_name, &text)?;
@@ -80,7 +79,7 @@ pub fn read_columns(
     Ok(captures)
 }
 
-fn native(text: &str, file_name: &str) -> Result<Capture, TekCsvError> {
+fn native(text: &str, file_name: &str) -> Result<Capture, RecordingError> {
     let longest = usize::from(Domain::Time.record_length());
     let lines: Vec<&str> = text
         .split_terminator('\n')
@@ -93,49 +92,46 @@ fn native(text: &str, file_name: &str) -> Result<Capture, TekCsvError> {
     let codes = (0_u32..)
         .zip(record)
         .map(|(index, line)| samples.code(index, line))
-        .collect::<Result<Vec<i16>, TekCsvError>>()?;
+        .collect::<Result<Vec<i16>, RecordingError>>()?;
     check_end(text, file_name, header.domain)?;
     Ok(capture(header, codes))
 }
 
-fn checked_text<'a>(bytes: &'a [u8], file_name: &str) -> Result<&'a str, TekCsvError> {
+fn checked_text<'a>(bytes: &'a [u8], file_name: &str) -> Result<&'a str, RecordingError> {
     check_size(bytes, file_name)?;
     std::str::from_utf8(bytes).map_err(|error| {
         let (good, bad) = bytes.split_at(error.valid_up_to());
         let before = String::from_utf8_lossy(good);
         let line = before.matches('\n').count() + 1;
         let column = before.chars().rev().take_while(|c| *c != '\n').count() + 1;
-        TekCsvError::NotText {
-            place: place(file_name, line, column),
-            found: bad.first().copied().unwrap_or_default(),
-        }
+        let found = format!("byte 0x{:02X}", bad.first().copied().unwrap_or_default());
+        RecordingError::found(place(file_name, line, column), found, "UTF-8 text")
     })
 }
 
-fn check_size(bytes: &[u8], file_name: &str) -> Result<(), TekCsvError> {
-    let file = || file_name.to_owned();
+fn check_size(bytes: &[u8], file_name: &str) -> Result<(), RecordingError> {
     if bytes.is_empty() {
-        return Err(TekCsvError::Empty { file: file() });
+        return Err(RecordingError::found(file_name, "no bytes", "a Tektronix CSV file"));
     }
     if bytes.len() > MAXIMUM_BYTES {
         let (found, limit) = (bytes.len() as u64, MAXIMUM_BYTES as u64);
-        return Err(TekCsvError::TooLarge { file: file(), found, limit });
+        return Err(RecordingError::too_large(file_name, found, limit));
     }
     Ok(())
 }
 
 /// Refuses a file with too few or too many rows, or with its last row cut.
-fn check_end(text: &str, file_name: &str, domain: Domain) -> Result<(), TekCsvError> {
+fn check_end(text: &str, file_name: &str, domain: Domain) -> Result<(), RecordingError> {
     let expected = usize::from(domain.record_length());
     let found = text.split_terminator('\n').count();
     if found != expected {
-        return Err(TekCsvError::RowCount { file: file_name.to_owned(), found, expected });
+        let expected = format!("{expected} by its Record Length");
+        return Err(RecordingError::found(file_name, format!("{found} rows"), expected));
     }
     if !text.ends_with('\n') {
         let last = text.lines().last().unwrap_or_default();
-        return Err(TekCsvError::NoLineEnd {
-            place: place(file_name, found, last.chars().count() + 1),
-        });
+        let place = place(file_name, found, last.chars().count() + 1);
+        return Err(RecordingError::found(place, "the end of the file", "a line end"));
     }
     Ok(())
 }
@@ -173,7 +169,7 @@ impl<'a> Samples<'a> {
     }
 
     /// The digitiser level of row `index`, counted from 0.
-    fn code(&self, index: u32, line: &str) -> Result<i16, TekCsvError> {
+    fn code(&self, index: u32, line: &str) -> Result<i16, RecordingError> {
         let number = usize::try_from(index).unwrap_or(usize::MAX).saturating_add(1);
         let row = HeaderRow::split(self.file, number, line)?;
         if index >= self.header_rows {
@@ -187,22 +183,19 @@ impl<'a> Samples<'a> {
         Ok(code)
     }
 
-    fn check_abscissa(&self, index: u32, row: &HeaderRow) -> Result<(), TekCsvError> {
+    fn check_abscissa(&self, index: u32, row: &HeaderRow) -> Result<(), RecordingError> {
         let found = number(row, ABSCISSA)?;
         let expected = self.abscissa.value(index);
         // A difference that is not a number is refused too.
         if (found - expected).abs() <= self.abscissa.tolerance(expected) {
             return Ok(());
         }
-        Err(TekCsvError::Abscissa {
-            place: row.place(ABSCISSA),
-            found: field(row, ABSCISSA),
-            expected: self.abscissa.text(index).trim().to_owned(),
-            unit: self.abscissa.domain.x_unit(),
-        })
+        let (text, unit) = (self.abscissa.text(index), self.abscissa.domain.x_unit());
+        let expected = format!("{} {unit} by sample interval and trigger point", text.trim());
+        Err(RecordingError::found(row.place(ABSCISSA), field(row, ABSCISSA), expected))
     }
 
-    fn level_of(&self, row: &HeaderRow) -> Result<i16, TekCsvError> {
+    fn level_of(&self, row: &HeaderRow) -> Result<i16, RecordingError> {
         let domain = self.abscissa.domain;
         let found = number(row, ORDINATE)?;
         let steps = (found - self.y_zero) / self.level + self.zero_level;
@@ -211,12 +204,8 @@ impl<'a> Samples<'a> {
         if (found - value).abs() <= domain.ordinate_tolerance(value) {
             return Ok(nearest as i16);
         }
-        Err(TekCsvError::Level {
-            place: row.place(ORDINATE),
-            found: field(row, ORDINATE),
-            expected: format!("{value:.5}"),
-            unit: domain.y_unit(),
-        })
+        let expected = format!("a digitiser level, the nearest is {value:.5} {}", domain.y_unit());
+        Err(RecordingError::found(row.place(ORDINATE), field(row, ORDINATE), expected))
     }
 }
 
@@ -225,13 +214,12 @@ fn field(row: &HeaderRow, index: usize) -> String {
 }
 
 /// A decimal number, padded with spaces or not.
-fn number(row: &HeaderRow, index: usize) -> Result<f64, TekCsvError> {
+fn number(row: &HeaderRow, index: usize) -> Result<f64, RecordingError> {
     let text = row.fields.get(index).map(|text| text.trim_matches(' ')).unwrap_or_default();
-    text.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| TekCsvError::Field {
-        place: row.place(index),
-        found: field(row, index),
-        expected: "a number",
-    })
+    text.parse()
+        .ok()
+        .filter(|value: &f64| value.is_finite())
+        .ok_or_else(|| RecordingError::found(row.place(index), field(row, index), "a number"))
 }
 
 /// The level of zero volts: a whole number where the printed offset allows one, since the family

@@ -11,12 +11,12 @@
 use super::cells::CsvRows;
 use super::column::SampleColumn;
 use super::columns::TableColumns;
-use super::error::{TekCsvError, excerpt};
 use super::keys::{self, KeyRequest, TableKeys};
 use super::names::{self, ColumnName, ColumnRole, ColumnUnit, unit};
 use super::table_layout::{TableBody, TableLayout, unknown};
 use super::times::{EvenTimes, StatedTimeBase};
 use super::unscaled_import::UnscaledImport;
+use crate::recording::error::{RecordingError, excerpt};
 use crate::recording::{Capture, InstrumentIdentity};
 use crate::scope::{PointFormat, Source};
 
@@ -24,7 +24,10 @@ use crate::scope::{PointFormat, Source};
 const MAX_CHANNELS: u8 = 8;
 
 /// Reads the captures of a table; `given` says what its columns are where the user knows.
-pub(super) fn read(table: &CsvRows<'_>, given: &TableColumns) -> Result<Vec<Capture>, TekCsvError> {
+pub(super) fn read(
+    table: &CsvRows<'_>,
+    given: &TableColumns,
+) -> Result<Vec<Capture>, RecordingError> {
     let layout = TableLayout::find(table)?;
     let body = TableBody::read(table, &layout, !given.is_empty())?;
     let mut plan = if given.is_empty() {
@@ -63,7 +66,7 @@ impl ColumnPlan {
         table: &CsvRows<'_>,
         body: &TableBody,
         given: &TableColumns,
-    ) -> Result<Self, TekCsvError> {
+    ) -> Result<Self, RecordingError> {
         let beyond = given
             .columns
             .iter()
@@ -91,7 +94,7 @@ impl ColumnPlan {
         table: &CsvRows<'_>,
         layout: &TableLayout,
         body: &TableBody,
-    ) -> Result<Self, TekCsvError> {
+    ) -> Result<Self, RecordingError> {
         let names: Vec<ColumnName> =
             layout.cells.iter().map(|cell| layout.name(table, *cell)).collect();
         let times = times(table, layout, body, &names)?;
@@ -234,7 +237,7 @@ impl ColumnPlan {
         keys: &TableKeys<'_, '_>,
         layout: &TableLayout,
         body: &TableBody,
-    ) -> Result<Capture, TekCsvError> {
+    ) -> Result<Capture, RecordingError> {
         let table = keys.table;
         let asked = self.asked(channel);
         if let Some(frames) = keys.number(keys::FRAMES, asked)?.filter(|frames| *frames > 1.0) {
@@ -270,11 +273,8 @@ impl ColumnPlan {
         if draft.even.is_none() && draft.times.len() != draft.values.len() {
             let short = draft.times.len().min(draft.values.len());
             let longer = if draft.times.len() > short { &draft.times } else { &draft.values };
-            return Err(TekCsvError::Field {
-                place: longer.place(short),
-                found: "a time or a value alone".to_owned(),
-                expected: "both in every row",
-            });
+            let (found, expected) = ("a time or a value alone", "both in every row");
+            return Err(RecordingError::found(longer.place(short), found, expected));
         }
         use_keys(&mut draft, keys, asked)?;
         // A scale beside values in millivolts may be in either unit.
@@ -306,7 +306,7 @@ fn stated_unit(
     keys: &TableKeys<'_, '_>,
     key: &[&str],
     asked: KeyRequest,
-) -> Result<Option<ColumnUnit>, TekCsvError> {
+) -> Result<Option<ColumnUnit>, RecordingError> {
     let Some(text) = keys.text(key, asked) else { return Ok(None) };
     let refused = || unknown(keys.table, &format!("a unit that is known, not {}", excerpt(text)));
     unit(text).map(Some).ok_or_else(refused)
@@ -317,7 +317,7 @@ fn use_keys(
     draft: &mut UnscaledImport,
     keys: &TableKeys<'_, '_>,
     asked: KeyRequest,
-) -> Result<(), TekCsvError> {
+) -> Result<(), RecordingError> {
     let interval = keys.number(keys::INTERVAL, asked)?;
     draft.stated = StatedTimeBase { interval, trigger_point: None };
     draft.scale = keys.number(keys::VERTICAL_SCALE, asked)?;
@@ -357,7 +357,7 @@ fn times(
     layout: &TableLayout,
     body: &TableBody,
     names: &[ColumnName],
-) -> Result<Vec<usize>, TekCsvError> {
+) -> Result<Vec<usize>, RecordingError> {
     let all = || layout.cells.iter().copied().zip(names).zip(&body.columns);
     if layout.even.is_some() {
         // Beside start and increment, the first column may count rows; nothing is a time.

@@ -4,8 +4,8 @@
 use super::cells::{Cells, CsvRows};
 use super::column::SampleColumn;
 use super::columns;
-use super::error::TekCsvError;
 use super::names::{ColumnName, ColumnRole, unit};
+use crate::recording::error::RecordingError;
 
 /// Which rows hold what.
 pub(super) struct TableLayout {
@@ -21,7 +21,7 @@ pub(super) struct TableLayout {
 }
 
 impl TableLayout {
-    pub(super) fn find(table: &CsvRows<'_>) -> Result<Self, TekCsvError> {
+    pub(super) fn find(table: &CsvRows<'_>) -> Result<Self, RecordingError> {
         let numeric = |index: usize| -> Vec<usize> {
             let row = table.row(index);
             (0..row.len()).filter(|cell| row.maybe_number(*cell).is_some()).collect()
@@ -147,7 +147,7 @@ impl TableBody {
         table: &CsvRows<'_>,
         layout: &TableLayout,
         is_given: bool,
-    ) -> Result<Self, TekCsvError> {
+    ) -> Result<Self, RecordingError> {
         let mut columns = vec![SampleColumn::default(); layout.cells.len()];
         let mut ended = vec![false; layout.cells.len()];
         let mut zeros = true;
@@ -196,7 +196,7 @@ fn looks_cut(text: &str) -> bool {
 
 /// The error that a table is none of the known forms: the nearest one, what it lacks, and how to
 /// say what it is.
-pub(super) fn unknown(table: &CsvRows<'_>, missing: &str) -> TekCsvError {
+pub(super) fn unknown(table: &CsvRows<'_>, missing: &str) -> RecordingError {
     let head = (0..table.len().min(8)).map(|index| table.row(index));
     let words: Vec<String> =
         head.flat_map(|row| row.texts().map(str::to_ascii_lowercase).collect::<Vec<_>>()).collect();
@@ -215,10 +215,7 @@ pub(super) fn unknown(table: &CsvRows<'_>, missing: &str) -> TekCsvError {
         "a table with a column of times and one for each channel (`Time (s),CH1 (V)`)",
         |(_, form)| form,
     );
-    TekCsvError::Unrecognised {
-        file: table.file.to_owned(),
-        nearest,
-        missing: missing.to_owned(),
-        example: columns::EXAMPLE,
-    }
+    let problem = format!("this is nearest to {nearest}, but lacks {missing}");
+    let advice = format!("say what its columns are, e.g. --columns {}", columns::EXAMPLE);
+    RecordingError::new(table.file, format_args!("{problem}; {advice}"))
 }

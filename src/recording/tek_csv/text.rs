@@ -4,7 +4,7 @@
 
 use std::borrow::Cow;
 
-use super::error::{TekCsvError, place};
+use crate::recording::error::{RecordingError, place};
 
 /// Sets a UTF-8 file's beginning apart; spreadsheets write it.
 pub(super) const BYTE_ORDER_MARK: char = '\u{feff}';
@@ -18,8 +18,8 @@ pub(super) struct DecodedText<'a> {
 /// The text of `bytes`.
 ///
 /// # Errors
-/// [`TekCsvError::NotText`] for bytes that no text has.
-pub(super) fn decode<'a>(bytes: &'a [u8], file: &str) -> Result<DecodedText<'a>, TekCsvError> {
+/// [`RecordingError`] for bytes that no text has.
+pub(super) fn decode<'a>(bytes: &'a [u8], file: &str) -> Result<DecodedText<'a>, RecordingError> {
     let mut notes = Vec::new();
     let text = match bytes {
         [0xFF, 0xFE, rest @ ..] => Cow::Owned(utf_16(rest, u16::from_le_bytes)),
@@ -40,7 +40,8 @@ pub(super) fn decode<'a>(bytes: &'a [u8], file: &str) -> Result<DecodedText<'a>,
         let line = before.matches('\n').count() + 1;
         let column = before.chars().rev().take_while(|c| *c != '\n').count() + 1;
         let found = u8::try_from(found).unwrap_or_default();
-        return Err(TekCsvError::NotText { place: place(file, line, column), found });
+        let place = place(file, line, column);
+        return Err(RecordingError::found(place, format!("byte 0x{found:02X}"), "UTF-8 text"));
     }
     if text.contains('\r') && !text.contains('\n') {
         return Ok(DecodedText { text: Cow::Owned(text.replace('\r', "\n")), notes });
@@ -73,6 +74,7 @@ mod tests {
                 Some(text)
             );
         }
-        assert!(matches!(decode(b"a\0b", "a.csv"), Err(TekCsvError::NotText { .. })));
+        let error = decode(b"a\0b", "a.csv").err().map(|error| error.to_string());
+        assert!(error.is_some_and(|error| error.contains("expected UTF-8 text")));
     }
 }

@@ -9,9 +9,9 @@
 //! (Kelley 1960, J. Soc. Ind. Appl. Math. 8, 703).
 
 use super::column::{SampleColumn, rounded};
-use super::error::TekCsvError;
 use crate::numeric::statistics::median;
 use crate::quantity::engineering;
+use crate::recording::error::RecordingError;
 
 /// How much of an interval a time near zero may be off, if times elsewhere are as coarse.
 const MAX_TIME_DRIFT: f64 = 0.01;
@@ -52,7 +52,7 @@ impl EvenTimes {
         stated: StatedTimeBase,
         unit: &'static str,
         notes: &mut Vec<String>,
-    ) -> Result<Self, TekCsvError> {
+    ) -> Result<Self, RecordingError> {
         let rows = Rows::of(column);
         let (best, range) = rows.intervals();
         if let Some(index) = rows.gap(column).filter(|_| range.is_some()) {
@@ -288,13 +288,17 @@ impl<'a> Rows<'a> {
         best: f64,
         gap: Option<usize>,
         unit: &'static str,
-    ) -> TekCsvError {
+    ) -> RecordingError {
+        let uneven = |found: f64, expected: String, index: usize| {
+            let expected = format!("{expected} {unit} by even spacing");
+            RecordingError::found(column.place(index), format!("{found} {unit}"), expected)
+        };
         let first = self.times.first().copied().unwrap_or_default();
         if best.is_nan() || best <= 0.0 {
             let index = self.times.len().saturating_sub(1);
             let found = self.times.last().copied().unwrap_or_default();
             let expected = format!("more than {first:e}");
-            return TekCsvError::Uneven { place: column.place(index), found, expected, unit };
+            return uneven(found, expected, index);
         }
         // The median of steps over half the record, and of what it leaves: single rows do not
         // change them.
@@ -317,7 +321,7 @@ impl<'a> Rows<'a> {
         let index = miss.unwrap_or_default();
         let found = self.times.get(index).copied().unwrap_or_default();
         let expected = format!("{:.6e}", expected(index));
-        TekCsvError::Uneven { place: column.place(index), found, expected, unit }
+        uneven(found, expected, index)
     }
 }
 

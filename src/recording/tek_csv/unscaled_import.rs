@@ -5,10 +5,10 @@
 //! `volts = (code - y_off) y_mult + y_zero`, and in the time domain `y_zero = 0`.
 
 use super::column::{SampleColumn, one_two_five, ten_to};
-use super::error::TekCsvError;
 use super::levels::{LevelSource, ValueGrid};
 use super::times::{EvenTimes, StatedTimeBase};
 use crate::quantity::engineering;
+use crate::recording::error::RecordingError;
 use crate::recording::{Capture, InstrumentIdentity};
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 use crate::scope::{PointFormat, Preamble, Source, VerticalSetup, Waveform};
@@ -58,13 +58,12 @@ struct Vertical {
 
 impl UnscaledImport {
     /// The capture; a channel that the file does not name is taken as number `channel`.
-    pub(super) fn capture(mut self, file: &str, channel: u8) -> Result<Capture, TekCsvError> {
+    pub(super) fn capture(mut self, file: &str, channel: u8) -> Result<Capture, RecordingError> {
         const FEWEST: usize = 2;
         let found = self.values.len();
         if found < FEWEST {
-            let file = file.to_owned();
-            let highest = super::cells::MAX_ROWS;
-            return Err(TekCsvError::SampleCount { file, found, lowest: FEWEST, highest });
+            let expected = format!("{FEWEST} to {} with samples", super::cells::MAX_ROWS);
+            return Err(RecordingError::found(file, format!("{found} rows"), expected));
         }
         let x_unit = self.x_unit.take().unwrap_or_else(|| self.assume("s", "unit of the times"));
         let y_unit = self.y_unit.take().unwrap_or_else(|| self.assume("V", "unit of the values"));

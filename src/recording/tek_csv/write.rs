@@ -1,12 +1,12 @@
 //! Writes a capture as the instrument itself would have saved it, byte for byte. A capture that the
 //! format cannot hold is refused. Equations and sources: the module above.
 
-use std::fmt::{self, Write as _};
+use std::fmt::Write as _;
 
 use super::abscissa::{self, Abscissa};
-use super::error::{TekCsvError, excerpt};
 use super::layout::{self, Domain, HeaderLayout, Numbers, ROUND_OFF};
 use crate::quantity::c_exponential;
+use crate::recording::error::{RecordingError, excerpt};
 use crate::recording::{Capture, InstrumentIdentity};
 use crate::scope::Waveform;
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
@@ -18,12 +18,15 @@ const ROW_BYTES: usize = 72;
 /// serial number.
 ///
 /// # Errors
-/// [`TekCsvError::NoInstrument`] without an instrument; [`TekCsvError::Unwritable`] when a part of
-/// the capture contradicts another, such as `y_mult` the vertical scale, or has no place in the
-/// format, such as a comma in a serial number or a number with more digits than the header prints.
-pub fn write(capture: &Capture) -> Result<String, TekCsvError> {
+/// [`RecordingError`] without an instrument, or when a part of the capture contradicts another,
+/// such as `y_mult` the vertical scale, or has no place in the format, such as a comma in a serial
+/// number or a number with more digits than the header prints.
+pub fn write(capture: &Capture) -> Result<String, RecordingError> {
     let waveform = &capture.waveform;
-    let instrument = capture.instrument.as_ref().ok_or(TekCsvError::NoInstrument)?;
+    let instrument = capture.instrument.as_ref().ok_or_else(|| {
+        let problem = "the capture names no instrument, expected at least its firmware";
+        RecordingError::new("", format_args!("{problem}; `--instrument MODEL` gives it one"))
+    })?;
     let layout = layout_of(instrument)?;
     let (domain, numbers) = checked(waveform)?;
     let source = layout::spelling(waveform.source, &capture.notes);
@@ -90,14 +93,14 @@ fn header_values(
 }
 
 /// The header that an instrument's files have.
-fn layout_of(instrument: &InstrumentIdentity) -> Result<HeaderLayout, TekCsvError> {
+fn layout_of(instrument: &InstrumentIdentity) -> Result<HeaderLayout, RecordingError> {
     for (what, text) in [
         (layout::MODEL, &instrument.model),
         (layout::SERIAL, &instrument.serial),
         (layout::FIRMWARE, &instrument.firmware),
     ] {
         if text.chars().any(|c| c == ',' || c.is_control()) {
-            return Err(unwritable(
+            return Err(RecordingError::unwritable(
                 what,
                 excerpt(text),
                 "text without commas and control characters",
@@ -107,7 +110,7 @@ fn layout_of(instrument: &InstrumentIdentity) -> Result<HeaderLayout, TekCsvErro
     match (instrument.model.is_empty(), instrument.serial.is_empty()) {
         (false, _) => Ok(HeaderLayout::Named),
         (true, true) => Ok(HeaderLayout::Old),
-        (true, false) => Err(unwritable(
+        (true, false) => Err(RecordingError::unwritable(
             layout::SERIAL,
             excerpt(&instrument.serial),
             "none, for an instrument without a model",
@@ -115,20 +118,12 @@ fn layout_of(instrument: &InstrumentIdentity) -> Result<HeaderLayout, TekCsvErro
     }
 }
 
-fn unwritable(what: &str, found: impl fmt::Display, expected: impl fmt::Display) -> TekCsvError {
-    TekCsvError::Unwritable {
-        what: what.to_owned(),
-        found: found.to_string(),
-        expected: expected.to_string(),
-    }
-}
-
 /// The header's numbers, once every part of the waveform agrees with every other.
-fn checked(waveform: &Waveform) -> Result<(Domain, Numbers), TekCsvError> {
+fn checked(waveform: &Waveform) -> Result<(Domain, Numbers), RecordingError> {
     let preamble = &waveform.preamble;
     let domain = Domain::from_units(&preamble.y_unit, &preamble.x_unit).ok_or_else(|| {
         let units = format!("{} over {}", excerpt(&preamble.y_unit), excerpt(&preamble.x_unit));
-        unwritable("the waveform", units, "`V` over `s` or `dB` over `Hz`")
+        RecordingError::unwritable("the waveform", units, "`V` over `s` or `dB` over `Hz`")
     })?;
     let numbers = Numbers {
         interval: preamble.x_incr,
@@ -140,30 +135,34 @@ fn checked(waveform: &Waveform) -> Result<(Domain, Numbers), TekCsvError> {
         probe: waveform.vertical.probe,
     };
     if let Some(violation) = numbers.violation(domain) {
-        return Err(unwritable(violation.key, violation.found, violation.expected));
+        return Err(RecordingError::unwritable(violation.key, violation.found, violation.expected));
     }
     check_codes(waveform, domain)?;
     check_agreement(waveform, &numbers)?;
     Ok((domain, as_printed(&numbers, domain)?))
 }
 
-fn check_codes(waveform: &Waveform, domain: Domain) -> Result<(), TekCsvError> {
+fn check_codes(waveform: &Waveform, domain: Domain) -> Result<(), RecordingError> {
     let expected = usize::from(domain.record_length());
     if waveform.codes.len() != expected {
-        return Err(unwritable("the number of points", waveform.codes.len(), expected));
+        return Err(RecordingError::unwritable(
+            "the number of points",
+            waveform.codes.len(),
+            expected,
+        ));
     }
     let outside = |code: &i16| !(LOWEST_CODE..=HIGHEST_CODE).contains(code);
     match waveform.codes.iter().enumerate().find(|(_, code)| outside(code)) {
         None => Ok(()),
         Some((index, code)) => {
             let what = format!("the level of point {index}, counted from 0,");
-            Err(unwritable(&what, code, format!("{LOWEST_CODE} to {HIGHEST_CODE}")))
+            Err(RecordingError::unwritable(&what, code, format!("{LOWEST_CODE} to {HIGHEST_CODE}")))
         }
     }
 }
 
 /// The preamble and the settings say the same twice; the file says it once.
-fn check_agreement(waveform: &Waveform, numbers: &Numbers) -> Result<(), TekCsvError> {
+fn check_agreement(waveform: &Waveform, numbers: &Numbers) -> Result<(), RecordingError> {
     let preamble = &waveform.preamble;
     let x_zero = (0.0 - numbers.trigger_point) * numbers.interval;
     let y_off = waveform.vertical.position * LEVELS_PER_DIVISION;
@@ -175,7 +174,7 @@ fn check_agreement(waveform: &Waveform, numbers: &Numbers) -> Result<(), TekCsvE
     ] {
         let agrees = (found - expected).abs() <= ROUND_OFF * expected.abs().max(unit);
         if !agrees {
-            return Err(unwritable(what, found, expected));
+            return Err(RecordingError::unwritable(what, found, expected));
         }
     }
     Ok(())
@@ -183,7 +182,7 @@ fn check_agreement(waveform: &Waveform, numbers: &Numbers) -> Result<(), TekCsvE
 
 /// The numbers as they will be read back, without the round-off of the program that computed them;
 /// refuses those that the header's digits would change by more.
-fn as_printed(numbers: &Numbers, domain: Domain) -> Result<Numbers, TekCsvError> {
+fn as_printed(numbers: &Numbers, domain: Domain) -> Result<Numbers, RecordingError> {
     let read = |value: f64, decimals| c_exponential(value, decimals).parse().unwrap_or(f64::NAN);
     let six = |what, value: f64| held(what, value, read(value, layout::DECIMALS));
     let text = layout::printed(numbers.interval, domain);
@@ -211,11 +210,15 @@ fn as_printed(numbers: &Numbers, domain: Domain) -> Result<Numbers, TekCsvError>
 }
 
 /// `read`, if the header's digits hold all of `value`.
-fn held(what: &str, value: f64, read: f64) -> Result<f64, TekCsvError> {
+fn held(what: &str, value: f64, read: f64) -> Result<f64, RecordingError> {
     if near(value, read) {
         return Ok(read);
     }
-    Err(unwritable(what, value, format!("{read}, all that the header's digits hold")))
+    Err(RecordingError::unwritable(
+        what,
+        value,
+        format!("{read}, all that the header's digits hold"),
+    ))
 }
 
 /// Equal but for round-off.

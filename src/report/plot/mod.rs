@@ -253,11 +253,6 @@ impl Plot {
         Self { lines, ..plot }
     }
 
-    /// A trace over the time after the trigger, behind it what it is compared with.
-    pub fn trace(name: &str, trace: &Trace, behind: Vec<Series>) -> Self {
-        Self::over_time([name, &trace.unit], trace_points(trace), behind)
-    }
-
     /// A line over the time after the trigger, behind it what it is compared with.
     pub fn over_time(y: [&str; 2], line: Vec<(f64, f64)>, behind: Vec<Series>) -> Self {
         let lines = behind.into_iter().chain([Series::main(line)]).collect();

@@ -1,17 +1,17 @@
-//! What a laboratory has for a momentum test: strikers, heights, instruments, and how well each is
-//! known.
+//! A laboratory for momentum tests: strikers, heights, instruments, and their uncertainties.
 
 use std::path::Path;
 
-use super::impact::uncertain;
-use super::{PlanError, SHARE, gain_of};
+use super::{GRAVITY, GainKeys, SHARE, gain_of, uncertain};
 use crate::quantity::{Dimension, Uncertain, parse};
 use crate::scene::document::Node;
 use crate::scene::library;
 use crate::scene::problem::{MISSING, SceneError};
-use crate::scene::reader::{Bound, Problems, TableReader};
+use crate::scene::problems::Problems;
+use crate::scene::table::{Bound, NamedTables, Places, TableReader, quantity};
+use crate::scene::table::{any, not_negative, positive, table, table_of, tables_of, text, texts};
 
-/// Where the laboratory without a file stands: the annotated one with every key.
+/// The laboratory without a file: the annotated one with every key.
 const DEFAULT: (&str, &str) = ("help", "lab");
 
 /// A striker of a laboratory.
@@ -27,7 +27,7 @@ pub struct LabStriker {
     pub mass: Uncertain,
 }
 
-/// How well a speed is measured, by what.
+/// How a speed is measured, and its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SpeedReading {
     /// As a speed: its standard uncertainty, relative (1).
@@ -57,99 +57,121 @@ pub struct Laboratory {
     pub strikers: Vec<LabStriker>,
 }
 
-/// Loads the laboratory in `file`, or the one that ships.
-///
-/// # Errors
-/// [`PlanError`]: not readable, or every problem found in it.
-pub fn load(file: Option<&Path>) -> Result<Laboratory, PlanError> {
-    let (kind, name) = match file {
-        Some(file) if !file.is_file() => {
-            return Err(PlanError::Unknown(file.display().to_string()));
-        }
-        // A bare name is a file here.
-        Some(file) => (
-            "labs",
-            std::path::absolute(file)
-                .map_or_else(|_| file.display().to_string(), |f| f.display().to_string()),
-        ),
-        None => (DEFAULT.0, DEFAULT.1.to_owned()),
-    };
-    let node = match library::open(kind, &name) {
-        Ok(Some(node)) => node,
-        Ok(None) => return Err(PlanError::Unknown(name)),
-        Err(SceneError::Problems(problems)) => return Err(PlanError::Problems(problems)),
-        Err(error) => return Err(PlanError::Read(error)),
-    };
-    let problems = Problems::default();
-    let lab = read(&node, &problems);
-    let problems = problems.into_sorted();
-    match lab {
-        Some(lab) if problems.is_empty() => Ok(lab),
-        _ => Err(PlanError::Problems(problems)),
+table! {
+    /// The file.
+    pub struct LabKeys<'a> {
+        gravity: f64 = quantity(Dimension::ACCELERATION, GRAVITY).required(),
+        gravity_u: &'a Node = any(&[]),
+        /// tests drop from each, half and a quarter of it
+        heights: Places<'a> = texts(),
+        /// or, if light gates measure the speed:
+        height_u: f64 = not_negative(Dimension::LENGTH),
+        speed_u: f64 = quantity(Dimension::NONE, SHARE),
+        /// of the speed after the contact; or one of:
+        rebound_u: f64 = quantity(Dimension::NONE, SHARE),
+        rebound_height_u: f64 = not_negative(Dimension::LENGTH),
+        /// until it lands again
+        flight_time_u: f64 = not_negative(Dimension::TIME),
+        scope: TableReader<'a> = table_of(&[ScopeKeys::KEYS, GainKeys::KEYS])
+            .required()
+            .needs("[scope] with model, and gain_u, gain_limit or in_chain"),
+        strikers: NamedTables<'a> = tables_of(&[LabStrikerKeys::KEYS]),
     }
 }
 
+table! {
+    /// `[scope]` beside its gain.
+    pub struct ScopeKeys<'a> {
+        /// as in a scene: a name that ships, or a file
+        model: String =
+            text().required().needs("an oscilloscope (`hertzscope list scopes`)"),
+    }
+}
+
+table! {
+    /// `[strikers.NAME]`.
+    pub struct LabStrikerKeys<'a> {
+        /// of what touches: a name as in scenes
+        material: String =
+            text().required().needs("a material, e.g. \"stainless_steel\""),
+        /// of the sphere that touches
+        diameter: f64 = positive(Dimension::LENGTH).required(),
+        mass: f64 = quantity(Dimension::MASS, Bound::MASS).required(),
+        mass_u: &'a Node = any(&[]),
+    }
+}
+
+/// Loads the laboratory in `file`, or the included one.
+///
+/// # Errors
+/// [`SceneError`]: not readable, or every problem found in it.
+pub fn load(file: Option<&Path>) -> Result<Laboratory, SceneError> {
+    const WHAT: &str = "the plan";
+    let node = match file {
+        Some(file) => library::open_file(file, "a laboratory, e.g. lab.toml"),
+        None => library::open(DEFAULT.0, Path::new(DEFAULT.1))
+            .and_then(|node| node.ok_or_else(|| library::no_instrument(DEFAULT.0, DEFAULT.1))),
+    };
+    let node = node.map_err(|error| error.in_file(WHAT))?;
+    let problems = Problems::default();
+    let lab = read(&node, &problems);
+    problems.finish(lab).map_err(|problems| SceneError::InFile { what: WHAT, problems })
+}
+
 fn read(node: &Node, problems: &Problems) -> Option<Laboratory> {
-    let root = TableReader::of(node, "", problems)?;
-    let gravity = uncertain(&root, ("gravity", "gravity_u"), Dimension::ACCELERATION);
-    let heights = heights(&root);
-    let incoming =
-        reading(&root, "height_u", [("height_u", Dimension::LENGTH), ("speed_u", Dimension::NONE)]);
-    let rebound = reading(
-        &root,
-        "rebound_u",
-        [
-            ("rebound_u", Dimension::NONE),
-            ("rebound_height_u", Dimension::LENGTH),
-            ("flight_time_u", Dimension::TIME),
+    let keys = LabKeys::read(&TableReader::of(node, "", &[LabKeys::KEYS], problems)?);
+    let root = &keys.table;
+    let gravity = uncertain(root, LabKeys::KEYS, "gravity");
+    let heights = heights(root, keys.heights.as_deref().unwrap_or_default());
+    let incoming = reading(
+        root,
+        &[
+            ("height_u", keys.height_u.map(SpeedReading::Height)),
+            ("speed_u", keys.speed_u.map(SpeedReading::Speed)),
         ],
     );
-    let (mut scope, mut gain) = (None, None);
-    if let Some(table) = root.table("scope") {
-        scope = table
-            .required_text("model", "an oscilloscope (`hertzscope list scopes`)")
-            .map(str::to_owned);
-        gain = gain_of(&table);
-        table.finish();
-    } else if !root.has("scope") {
-        root.problem("scope", MISSING, "[scope] with model, and gain_u, gain_limit or in_chain");
-    }
-    let mut strikers = Vec::new();
-    for (name, table) in root.tables("strikers") {
-        let material = table.required_text("material", "a material, e.g. \"stainless_steel\"");
-        let diameter = table.required("diameter", Dimension::LENGTH, Bound::Positive);
-        let mass = uncertain(&table, ("mass", "mass_u"), Dimension::MASS);
-        table.finish();
-        if let (Some(material), Some(diameter), Some(mass)) = (material, diameter, mass) {
-            strikers.push(LabStriker {
-                name: name.to_owned(),
-                material: material.to_owned(),
-                diameter,
-                mass,
-            });
-        }
-    }
+    let rebound = reading(
+        root,
+        &[
+            ("rebound_u", keys.rebound_u.map(SpeedReading::Speed)),
+            ("rebound_height_u", keys.rebound_height_u.map(SpeedReading::Height)),
+            ("flight_time_u", keys.flight_time_u.map(SpeedReading::FlightTime)),
+        ],
+    );
+    let gain = keys.scope.as_ref().and_then(gain_of);
+    let scope = keys.scope.as_ref().map(ScopeKeys::read);
+    let striker = |(name, table): &(&str, TableReader<'_>)| {
+        let keys = LabStrikerKeys::read(table);
+        let mass = uncertain(table, LabStrikerKeys::KEYS, "mass");
+        Some(LabStriker {
+            name: (*name).to_owned(),
+            material: keys.material?,
+            diameter: keys.diameter?,
+            mass: mass?,
+        })
+    };
+    let strikers: Vec<LabStriker> = keys.strikers.iter().flatten().filter_map(striker).collect();
     if strikers.is_empty() && !root.has("strikers") {
-        root.problem(
+        root.missing(
             "strikers",
-            MISSING,
             "at least one [strikers.NAME] with material, diameter, mass, mass_u",
         );
     }
-    root.finish();
     Some(Laboratory {
         gravity: gravity?,
         heights: heights?,
         incoming: incoming?,
         rebound: rebound?,
-        scope: scope?,
+        scope: scope?.model?,
         gain,
         strikers,
     })
 }
 
-fn heights(root: &TableReader<'_>) -> Option<Vec<f64>> {
-    let texts = root.texts("heights");
+fn heights(
+    root: &TableReader<'_>,
+    texts: &[(&str, &crate::scene::document::SourceLocation)],
+) -> Option<Vec<f64>> {
     let found: Vec<f64> = texts
         .iter()
         .filter_map(|(text, _)| parse(text, Dimension::LENGTH).ok().filter(|height| *height > 0.0))
@@ -166,34 +188,18 @@ fn heights(root: &TableReader<'_>) -> Option<Vec<f64>> {
     Some(found)
 }
 
-/// The one of `ways` to measure a speed that is stated: a standard uncertainty in its unit.
-fn reading<const N: usize>(
-    root: &TableReader<'_>,
-    first: &str,
-    ways: [(&'static str, Dimension); N],
-) -> Option<SpeedReading> {
+/// The one of several ways to measure a speed that is stated.
+fn reading(root: &TableReader<'_>, ways: &[(&str, Option<SpeedReading>)]) -> Option<SpeedReading> {
     let stated: Vec<_> = ways.iter().filter(|(key, _)| root.has(key)).collect();
-    let found: Vec<Option<f64>> = ways
-        .iter()
-        .map(|(key, dimension)| {
-            let bound = if *dimension == Dimension::NONE { SHARE } else { Bound::NotNegative };
-            root.quantity(key, *dimension, bound)
-        })
-        .collect();
-    let [(_, dimension)] = stated.as_slice() else {
+    let [(_, reading)] = stated.as_slice() else {
         let names: Vec<&str> = ways.iter().map(|(key, _)| *key).collect();
         let what = if stated.is_empty() {
             MISSING.to_owned()
         } else {
             format!("{} of them", stated.len())
         };
-        root.problem(first, what, format!("one of {}", names.join(", ")));
+        root.problem(ways.first()?.0, what, format!("one of {}", names.join(", ")));
         return None;
     };
-    let u = found.into_iter().flatten().next()?;
-    Some(match *dimension {
-        Dimension::LENGTH => SpeedReading::Height(u),
-        Dimension::TIME => SpeedReading::FlightTime(u),
-        _ => SpeedReading::Speed(u),
-    })
+    *reading
 }

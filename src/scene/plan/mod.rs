@@ -1,180 +1,383 @@
-//! The plan of a calibration: which recordings, which strikers, how fast, and how well all that is
-//! known.
+//! The plan of a calibration: recordings, strikers, speeds, and their uncertainties.
 //!
 //! A key that ends in `_u` is the standard uncertainty (k = 1) of the key before it, in its unit or
 //! as a share of it.
 
-mod data;
-mod impact;
 pub mod lab;
 
-pub use data::{CalibrationPlan, Particulars, PlannedImpact, SpeedMethod};
+use std::path::{Path, PathBuf};
 
-use std::path::Path;
+use super::document::{Node, SourceLocation, Value};
+use super::library;
+use super::problem::{MISSING, SceneError, one_of};
+use super::problems::Problems;
+use super::root::MAX_SEED;
+use super::table::{Bound, Key, Places, TableReader, quantity};
+use super::table::{NamedTables, text, texts};
+use super::table::{any, count, flag, list_of, not_negative, positive, table, table_of, tables_of};
+use serde::Serialize;
 
-use self::impact::{ImpactContext, impact, uncertain};
-use crate::quantity::{Dimension, Uncertain};
-use crate::scene::document::Node;
-use crate::scene::library;
-use crate::scene::problem::{MISSING, Problem, SceneError, listed};
-use crate::scene::reader::{Bound, Problems, TableReader};
+use crate::quantity::{Difference, Dimension, Uncertain, parse};
 use crate::sensor::Load;
 
 /// Standard acceleration of free fall, CGPM 1901 (m/s^2).
 const FREE_FALL: f64 = 9.806_65;
-/// How far it is from there at sea level at most, from 9.780 at the equator to 9.832 at the poles,
-/// relative (1).
+/// Largest difference from it at sea level, relative: 9.780 at the equator, 9.832 at the poles (1).
 const LATITUDES: f64 = 0.0027;
 /// The input of a scope of this family.
 pub const INPUT: Load = Load { resistance: 1e6, capacitance: 20e-12 };
 /// What a plan states of the scope's gain.
 const GAIN_STATEMENT: &str = "gain_u = \"1 %\" of a calibrated scope, gain_limit = \"3 %\" of its data sheet, or in_chain = true where sensor and scope are calibrated as one";
+/// Limits of times that are measured on a bench (s).
+const DURATION: Bound = Bound::Bench(1e-9, 1e6);
+/// Limits of the acceleration of free fall (m/s^2).
+const GRAVITY: Bound = Bound::Bench(1e-3, 1e3);
 /// Limits of a relative uncertainty: beyond its value nothing is known.
 const SHARE: Bound = Bound::Within(0.0, 1.0);
-/// Draws of the Monte-Carlo part.
-const DRAWS: u64 = 200_000;
 /// Fewest draws that resolve half a unit of the first digit of the standard uncertainty, which may
 /// be a twentieth of it: `3 * 2.67/sqrt(n) <= 0.05` (JCGM 101:2008, 7.9.2).
 const MIN_DRAWS: u64 = 30_000;
 
-/// Why there is no plan.
-#[derive(Debug, thiserror::Error)]
-pub enum PlanError {
-    /// The file could not be read.
-    #[error(transparent)]
-    Read(SceneError),
-    /// No file of that name.
-    #[error("found `{0}`, which is no file, expected the path of a plan, e.g. plan.toml")]
-    Unknown(String),
-    /// The plan is wrong in at least one place.
-    #[error("{}", listed(.0, "the plan"))]
-    Problems(Vec<Problem>),
+table! {
+    /// The file.
+    pub struct PlanKeys<'a> {
+        /// on the certificate
+        title: String = text(),
+        laboratory: String = text(),
+        customer: String = text(),
+        date: String = text(),
+        /// of impacts that name none
+        channel: &'a str = text().or("CH1"),
+        /// local; without it 9.80665 m/s^2 within 0.27 %
+        gravity: f64 = quantity(Dimension::ACCELERATION, GRAVITY),
+        gravity_u: &'a Node = any(&[]),
+        /// of the Monte-Carlo part
+        seed: u64 = count(0, MAX_SEED).or("0"),
+        draws: u64 = count(MIN_DRAWS, 10_000_000).or("200000"),
+        sensor: ItemKeys<'a> = table_of(&[ItemKeys::KEYS])
+            .required()
+            .needs("[sensor] with item and name: what is calibrated"),
+        scope: ScopeKeys<'a> = table_of(&[ScopeKeys::KEYS, GainKeys::KEYS]),
+        speeds: SpeedKeys<'a> = table_of(&[SpeedKeys::KEYS]),
+        strikers: NamedTables<'a> = tables_of(&[StrikerKeys::KEYS]),
+        impacts: Vec<TableReader<'a>> = list_of(&[ImpactKeys::KEYS]),
+        conditions: ConditionKeys<'a> = table_of(&[ConditionKeys::KEYS]),
+        traceability: TraceKeys<'a> = table_of(&[TraceKeys::KEYS]),
+    }
+}
+
+table! {
+    /// `[sensor]`.
+    pub struct ItemKeys<'a> {
+        item: String = text().or(""),
+        /// the sensor's file: plate-7.toml
+        name: String = text().or("sensor"),
+        /// what it sits in: a scene with another host gets a note
+        host: String = text(),
+        /// time constant, if it is not to be read off the records' ends
+        tau: f64 = quantity(Dimension::TIME, DURATION),
+        tau_u: &'a Node = any(&[]),
+        /// between plate and striker, and
+        mass_above: f64 = quantity(Dimension::MASS, Bound::MASS),
+        mass_above_u: &'a Node = any(&[]),
+        /// all that the impact sets in motion, that mass and the anvil included: the
+        /// plate feels the rest
+        mass_moved: f64 = quantity(Dimension::MASS, Bound::MASS),
+        mass_moved_u: &'a Node = any(&[]),
+    }
+}
+
+table! {
+    /// `[scope]` beside its gain.
+    pub struct ScopeKeys<'a> {
+        input_resistance: f64 = positive(Dimension::RESISTANCE).or("1 MOhm"),
+        input_capacitance: f64 = not_negative(Dimension::CAPACITANCE).or("20 pF"),
+        /// instead of both: then the sensor's file holds for any scope behind that amplifier
+        charge_amplifier: f64 = positive(Dimension::VOLTAGE_PER_CHARGE),
+    }
+}
+
+table! {
+    /// The scope's gain.
+    pub struct GainKeys<'a> {
+        /// sensor and this channel, at this range, are calibrated as one
+        in_chain: bool = flag().or("false"),
+        /// of the channel's gain
+        gain_u: f64 = quantity(Dimension::NONE, SHARE),
+        /// its limits in the data sheet, within which it may be anywhere
+        gain_limit: f64 = quantity(Dimension::NONE, SHARE),
+    }
+}
+
+table! {
+    /// `[speeds]`.
+    pub struct SpeedKeys<'a> {
+        scale_u: f64 = quantity(Dimension::NONE, SHARE).or("0"),
+        /// of the light gates
+        gate_distance: f64 = quantity(Dimension::LENGTH, Bound::LENGTH),
+        gate_distance_u: &'a Node = any(&[]),
+    }
+}
+
+table! {
+    /// `[strikers.NAME]`.
+    pub struct StrikerKeys<'a> {
+        mass: f64 = quantity(Dimension::MASS, Bound::MASS).required(),
+        mass_u: &'a Node = any(&[]),
+    }
+}
+
+table! {
+    /// `[conditions]`.
+    pub struct ConditionKeys<'a> {
+        temperature: f64 = positive(Dimension::TEMPERATURE),
+    }
+}
+
+table! {
+    /// `[traceability]`.
+    pub struct TraceKeys<'a> {
+        mass: String = text(),
+        speed: String = text(),
+        voltage: String = text(),
+    }
+}
+
+table! {
+    /// One of `[[impacts]]`.
+    pub struct ImpactKeys<'a> {
+        /// beside the plan: .mcap, .csv, .isf, or a folder
+        recording: &'a str = text().required().needs(
+            "a file: .mcap, .csv, .isf, a folder, or the address of a scope, e.g. tcp://HOST:PORT",
+        ),
+        /// default: the plan's
+        channel: String = text(),
+        shot: u32 = count(1, u32::MAX as u64).or("1"),
+        /// needed with several strikers only
+        striker: &'a str = text(),
+        speed: f64 = quantity(Dimension::SPEED, Bound::SPEED),
+        speed_u: &'a Node = any(&[]),
+        /// of the fall; or one of:
+        height: f64 = quantity(Dimension::LENGTH, Bound::LENGTH),
+        height_u: &'a Node = any(&[]),
+        /// with `[speeds]`
+        gate_time: f64 = quantity(Dimension::TIME, DURATION),
+        gate_time_u: &'a Node = any(&[]),
+        rebound_speed: f64 = quantity(Dimension::SPEED, Bound::SPEED),
+        rebound_speed_u: &'a Node = any(&[]),
+        /// or one of:
+        rebound_height: f64 = quantity(Dimension::LENGTH, Bound::LENGTH),
+        rebound_height_u: &'a Node = any(&[]),
+        rebound_gate_time: f64 = quantity(Dimension::TIME, DURATION),
+        rebound_gate_time_u: &'a Node = any(&[]),
+        /// until it lands again: speed g t/2
+        flight_time: f64 = quantity(Dimension::TIME, DURATION),
+        flight_time_u: &'a Node = any(&[]),
+        /// integration window; default: found from the record
+        window: Places<'a> = texts(),
+    }
+}
+
+/// Ways to measure the speed before the contact, and after it.
+const INCOMING: [(&str, SpeedMethod); 3] = [
+    ("speed", SpeedMethod::Speed),
+    ("height", SpeedMethod::Height),
+    ("gate_time", SpeedMethod::GateTime),
+];
+const REBOUND: [(&str, SpeedMethod); 4] = [
+    ("rebound_speed", SpeedMethod::Speed),
+    ("rebound_height", SpeedMethod::Height),
+    ("rebound_gate_time", SpeedMethod::GateTime),
+    ("flight_time", SpeedMethod::FlightTime),
+];
+
+/// How a speed was measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SpeedMethod {
+    /// As a speed.
+    Speed,
+    /// As a height.
+    Height,
+    /// As the time between two gates.
+    GateTime,
+    /// As the time until the striker comes back.
+    FlightTime,
+}
+
+/// One impact of a plan.
+#[derive(Debug, Clone)]
+pub struct PlannedImpact {
+    /// File or folder of its recording, or the address of a scope that is to record it.
+    pub recording: PathBuf,
+    /// Where the plan names it.
+    pub place: SourceLocation,
+    /// Channel.
+    pub channel: String,
+    /// Number of the shot.
+    pub shot: u32,
+    /// Which of the strikers, from 0.
+    pub striker: usize,
+    /// Speed before the contact, by what it was measured.
+    pub incoming: (SpeedMethod, Uncertain),
+    /// Speed after it.
+    pub rebound: (SpeedMethod, Uncertain),
+    /// First and last time to integrate, if not to be found (s).
+    pub window: Option<[f64; 2]>,
+}
+
+/// Entries of the certificate that do not enter the calculation.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Particulars {
+    /// One line about the calibration.
+    pub title: String,
+    /// The calibrated sensor.
+    pub item: String,
+    /// Name of the sensor's file.
+    pub sensor: String,
+    /// Kind of body that the plate sat in, as scenes call it.
+    pub host: Option<String>,
+    /// Day of the measurement, as typed.
+    pub date: Option<String>,
+    /// Who measured.
+    pub laboratory: Option<String>,
+    /// Whom it was for.
+    pub customer: Option<String>,
+    /// Temperature of the room (K).
+    #[serde(rename = "temperature_k")]
+    pub temperature: Option<f64>,
+    /// Traceability of the mass.
+    #[serde(rename = "traceability_mass")]
+    pub mass_traceability: Option<String>,
+    /// Traceability of the speed.
+    #[serde(rename = "traceability_speed")]
+    pub speed_traceability: Option<String>,
+    /// Traceability of the voltage.
+    #[serde(rename = "traceability_voltage")]
+    pub voltage_traceability: Option<String>,
+}
+
+/// A checked plan.
+#[derive(Debug, Clone)]
+pub struct CalibrationPlan {
+    /// The file.
+    pub file: PathBuf,
+    /// The file as typed.
+    pub text: String,
+    /// For the certificate.
+    pub particulars: Particulars,
+    /// The scope's gain, true over shown; none where sensor and scope are calibrated as one chain.
+    pub gain: Option<Uncertain>,
+    /// The scope's input, the sensor's load unless there is a charge amplifier.
+    pub load: Load,
+    /// Gain of a charge amplifier between sensor and scope (V/C).
+    pub charge_amplifier: Option<f64>,
+    /// Relative standard uncertainty that all speeds share (1).
+    pub speed_scale_u: f64,
+    /// Distance of the gates (m).
+    pub gate_distance: Option<Uncertain>,
+    /// Acceleration of free fall (m/s^2).
+    pub gravity: Uncertain,
+    /// Time constant, if it is not to be read off the records (s).
+    pub tau: Option<Uncertain>,
+    /// Mass above the plate over all that is set in motion (1).
+    pub above: Uncertain,
+    /// Name and mass of each striker (kg).
+    pub strikers: Vec<(String, Uncertain)>,
+    /// The impacts.
+    pub impacts: Vec<PlannedImpact>,
+    /// Seed of the Monte-Carlo part.
+    pub seed: u64,
+    /// Its draws.
+    pub draws: u64,
 }
 
 /// Loads the plan in `file`.
 ///
 /// # Errors
-/// [`PlanError`]: not readable, or every problem found in it, recordings that do not exist
+/// [`SceneError`]: not readable, or every problem found in it, recordings that do not exist
 /// included.
-pub fn load(file: &Path) -> Result<CalibrationPlan, PlanError> {
-    let name = file.display().to_string();
-    if !file.is_file() {
-        return Err(PlanError::Unknown(name));
-    }
-    // A bare name is a file here: nothing of the kind ships.
-    let named = if name.contains(['/', '\\']) { name } else { format!("./{name}") };
-    let node = match library::open("plans", &named) {
-        Ok(Some(node)) => node,
-        Ok(None) => return Err(PlanError::Unknown(named)),
-        Err(SceneError::Problems(problems)) => return Err(PlanError::Problems(problems)),
-        Err(error) => return Err(PlanError::Read(error)),
-    };
+pub fn load(file: &Path) -> Result<CalibrationPlan, SceneError> {
+    const WHAT: &str = "the plan";
+    let node =
+        library::open_file(file, "a plan, e.g. plan.toml").map_err(|error| error.in_file(WHAT))?;
     let problems = Problems::default();
     let plan = read(file, &node, &problems);
-    let problems = problems.into_sorted();
-    match plan {
-        Some(plan) if problems.is_empty() => Ok(plan),
-        _ => Err(PlanError::Problems(problems)),
-    }
+    problems.finish(plan).map_err(|problems| SceneError::InFile { what: WHAT, problems })
 }
 
 fn read(file: &Path, node: &Node, problems: &Problems) -> Option<CalibrationPlan> {
-    let root = TableReader::of(node, "", problems)?;
+    let keys = PlanKeys::read(&TableReader::of(node, "", &[PlanKeys::KEYS], problems)?);
+    let root = &keys.table;
     let gravity = if root.has("gravity") {
-        uncertain(&root, ("gravity", "gravity_u"), Dimension::ACCELERATION)
+        uncertain(root, PlanKeys::KEYS, "gravity")
     } else {
-        // Somewhere between both, evenly: JCGM 100:2008, 4.3.7.
+        // Anywhere between both, with equal probability: JCGM 100:2008, 4.3.7.
         Some(Uncertain::normal(FREE_FALL, FREE_FALL * LATITUDES / 3f64.sqrt()))
     };
-    let seed = root.count("seed", 0, (1 << 53) - 1).unwrap_or(0);
-    let draws = root.count("draws", MIN_DRAWS, 10_000_000).unwrap_or(DRAWS);
-    let mut particulars = particulars(&root, file);
-    let channel = root.text("channel").unwrap_or("CH1").to_owned();
-    let ScopeInput { gain, load, charge_amplifier } = scope(&root);
-    let (scale, gates) = root.table("speeds").map_or((Some(0.0), None), |table| {
-        let scale = table.quantity("scale_u", Dimension::NONE, SHARE);
-        let gates = table
-            .has("gate_distance")
-            .then(|| uncertain(&table, ("gate_distance", "gate_distance_u"), Dimension::LENGTH));
-        let scale = if table.has("scale_u") { scale } else { Some(0.0) };
-        table.finish();
-        (scale, gates.flatten())
-    });
-    let (mut tau, mut above) = (None, Uncertain::normal(0.0, 0.0));
-    if let Some(table) = root.table("sensor") {
-        table.text("item").unwrap_or_default().clone_into(&mut particulars.item);
-        table.text("name").unwrap_or("sensor").clone_into(&mut particulars.sensor);
-        particulars.host = table.text("host").map(str::to_owned);
-        if table.has("tau") {
-            tau = uncertain(&table, ("tau", "tau_u"), Dimension::TIME);
-        }
-        above = above_plate(&table)?;
-        table.finish();
-    } else if !root.has("sensor") {
-        root.problem("sensor", MISSING, "[sensor] with item and name: what is calibrated");
-    }
-    let mut strikers = Vec::new();
-    for (name, table) in root.tables("strikers") {
-        let mass = uncertain(&table, ("mass", "mass_u"), Dimension::MASS);
-        let _ = table.text("source");
-        table.finish();
+    let scope = scope(root, keys.scope.as_ref());
+    let gates = keys.speeds.as_ref().filter(|keys| keys.table.has("gate_distance"));
+    let gates = gates.and_then(|keys| uncertain(&keys.table, SpeedKeys::KEYS, "gate_distance"));
+    let scale = match &keys.speeds {
+        Some(keys) => keys.scale_u,
+        None => Some(0.0),
+    };
+    let item = keys.sensor.as_ref();
+    let tau = item.filter(|keys| keys.table.has("tau"));
+    let tau = tau.and_then(|keys| uncertain(&keys.table, ItemKeys::KEYS, "tau"));
+    let above = item.map_or(Some(Uncertain::normal(0.0, 0.0)), above_plate);
+    let striker = |(name, table): &(&str, TableReader<'_>)| {
+        let mass = uncertain(table, StrikerKeys::KEYS, "mass");
         // A mass that could not be read has left its problem; impacts may name its striker.
-        strikers.push((name.to_owned(), mass.unwrap_or(Uncertain::normal(1.0, 0.0))));
-    }
-    let context =
-        ImpactContext { file, channel: &channel, strikers: &strikers, gates: gates.is_some() };
-    let tables = root.list("impacts");
-    let count = tables.len();
+        ((*name).to_owned(), mass.unwrap_or(Uncertain::normal(1.0, 0.0)))
+    };
+    let strikers: Vec<_> = keys.strikers.iter().flatten().map(striker).collect();
+    let channel = keys.channel?;
+    let context = ImpactContext { file, channel, strikers: &strikers, gates: gates.is_some() };
+    let tables = keys.impacts.as_deref().unwrap_or_default();
     let impacts: Vec<PlannedImpact> =
         tables.iter().filter_map(|table| impact(table, &context)).collect();
-    tables.into_iter().for_each(TableReader::finish);
-    if count == 0 {
+    if tables.is_empty() {
         root.problem("impacts", "no impacts", "at least one [[impacts]]");
     }
-    root.finish();
-    (impacts.len() == count).then_some(())?;
+    (impacts.len() == tables.len()).then_some(())?;
+    let traced = keys.traceability;
+    let (mass, speed, voltage) =
+        traced.map_or((None, None, None), |keys| (keys.mass, keys.speed, keys.voltage));
+    let stem = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let item = keys.sensor?;
+    let particulars = Particulars {
+        title: keys.title.or(stem).unwrap_or_default(),
+        item: item.item?,
+        sensor: item.name?,
+        host: item.host,
+        date: keys.date,
+        laboratory: keys.laboratory,
+        customer: keys.customer,
+        temperature: keys.conditions.and_then(|keys| keys.temperature),
+        mass_traceability: mass,
+        speed_traceability: speed,
+        voltage_traceability: voltage,
+    };
     Some(CalibrationPlan {
         file: file.to_owned(),
         text: node.place.text().to_string(),
         particulars,
-        gain,
-        charge_amplifier,
-        load,
+        gain: scope.gain,
+        charge_amplifier: scope.charge_amplifier,
+        load: scope.load,
         speed_scale_u: scale?,
         gate_distance: gates,
         gravity: gravity?,
         tau,
-        above,
+        above: above?,
         strikers,
         impacts,
-        seed,
-        draws,
+        seed: keys.seed?,
+        draws: keys.draws?,
     })
 }
 
-fn particulars(root: &TableReader<'_>, file: &Path) -> Particulars {
-    let text = |table: Option<&TableReader<'_>>, key| table?.text(key).map(ToOwned::to_owned);
-    let conditions = root.table("conditions");
-    let traced = root.table("traceability");
-    let stem = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-    let found = Particulars {
-        title: text(Some(root), "title").or(stem).unwrap_or_default(),
-        date: text(Some(root), "date"),
-        laboratory: text(Some(root), "laboratory"),
-        customer: text(Some(root), "customer"),
-        temperature: conditions.as_ref().and_then(|table| {
-            table.quantity("temperature", Dimension::TEMPERATURE, Bound::Positive)
-        }),
-        mass_traceability: text(traced.as_ref(), "mass"),
-        speed_traceability: text(traced.as_ref(), "speed"),
-        voltage_traceability: text(traced.as_ref(), "voltage"),
-        ..Particulars::default()
-    };
-    conditions.into_iter().chain(traced).for_each(TableReader::finish);
-    found
-}
-
-/// The scope as a plan tells it.
+/// `[scope]` of a plan.
 struct ScopeInput {
     gain: Option<Uncertain>,
     load: Load,
@@ -182,60 +385,190 @@ struct ScopeInput {
 }
 
 /// The gain with its uncertainty, none for a chain calibrated as one, and the input.
-fn scope(root: &TableReader<'_>) -> ScopeInput {
-    let Some(table) = root.table("scope") else {
+fn scope(root: &TableReader<'_>, keys: Option<&ScopeKeys<'_>>) -> ScopeInput {
+    let Some(keys) = keys else {
         if !root.has("scope") {
-            root.problem("scope", MISSING, format!("[scope] with {GAIN_STATEMENT}"));
+            root.missing("scope", format!("[scope] with {GAIN_STATEMENT}"));
         }
         return ScopeInput { gain: None, load: INPUT, charge_amplifier: None };
     };
-    let gain = gain_of(&table);
-    let resistance = table.quantity("input_resistance", Dimension::RESISTANCE, Bound::Positive);
-    let capacitance =
-        table.quantity("input_capacitance", Dimension::CAPACITANCE, Bound::NotNegative);
-    let charge_amplifier =
-        table.quantity("charge_amplifier", Dimension::VOLTAGE_PER_CHARGE, Bound::Positive);
-    if table.has("charge_amplifier") && (resistance.is_some() || capacitance.is_some()) {
+    let table = &keys.table;
+    let states_input = table.has("input_resistance") || table.has("input_capacitance");
+    if table.has("charge_amplifier") && states_input {
         let found = "both a charge amplifier and the scope's input";
         table.problem("charge_amplifier", found, "one of them as the sensor's load");
     }
-    table.finish();
     let load = Load {
-        resistance: resistance.unwrap_or(INPUT.resistance),
-        capacitance: capacitance.unwrap_or(INPUT.capacitance),
+        resistance: keys.input_resistance.unwrap_or(INPUT.resistance),
+        capacitance: keys.input_capacitance.unwrap_or(INPUT.capacitance),
     };
-    ScopeInput { gain, load, charge_amplifier }
+    ScopeInput { gain: gain_of(table), load, charge_amplifier: keys.charge_amplifier }
 }
 
-/// Mass above the plate over all that is set in motion (1); none where it is wrong.
-fn above_plate(table: &TableReader<'_>) -> Option<Uncertain> {
-    let [above, moved] = ["mass_above", "mass_moved"].map(|key| table.has(key));
-    if !above && !moved {
+/// Mass above the plate over all that is set in motion (1); `None` if it is wrong.
+fn above_plate(keys: &ItemKeys<'_>) -> Option<Uncertain> {
+    let table = &keys.table;
+    if !table.has("mass_above") && !table.has("mass_moved") {
         return Some(Uncertain::normal(0.0, 0.0));
     }
-    let above = uncertain(table, ("mass_above", "mass_above_u"), Dimension::MASS)?;
-    let moved = uncertain(table, ("mass_moved", "mass_moved_u"), Dimension::MASS)?;
+    for key in ["mass_above", "mass_moved"] {
+        table.require(ItemKeys::KEYS, key);
+    }
+    let above = uncertain(table, ItemKeys::KEYS, "mass_above")?;
+    let moved = uncertain(table, ItemKeys::KEYS, "mass_moved")?;
     let share = above.over(moved);
     if share.value >= 1.0 {
-        let found = "more than all that is moved".to_owned();
-        table.problem("mass_above", found, "less than mass_moved");
+        table.problem("mass_above", "more than all that is moved", "less than mass_moved");
         return None;
     }
     Some(share)
 }
 
-/// What `table` says of the scope's gain; none for a chain calibrated as one.
+/// The scope's gain in `table`; none for a chain calibrated as one.
 fn gain_of(table: &TableReader<'_>) -> Option<Uncertain> {
-    let in_chain = table.flag("in_chain").unwrap_or(false);
-    let gain_u = table.quantity("gain_u", Dimension::NONE, SHARE);
-    let limit = table.quantity("gain_limit", Dimension::NONE, SHARE);
+    let keys = GainKeys::read(table);
+    let in_chain = keys.in_chain.unwrap_or(false);
     let stated = [in_chain, table.has("gain_u"), table.has("gain_limit")];
     if stated.iter().filter(|is_stated| **is_stated).count() != 1 {
         let several = stated.contains(&true);
-        let found = if several { "more than one statement about the gain" } else { "no such key" };
+        let found = if several { "more than one statement about the gain" } else { MISSING };
         table.problem("gain_u", found, GAIN_STATEMENT);
     }
     let limited =
         |half_width: f64| Uncertain { value: 1.0, u: half_width / 3f64.sqrt(), half_width };
-    gain_u.map(|u| Uncertain::normal(1.0, u)).or_else(|| limit.map(limited)).filter(|_| !in_chain)
+    let gain = keys.gain_u.map(|u| Uncertain::normal(1.0, u));
+    gain.or_else(|| keys.gain_limit.map(limited)).filter(|_| !in_chain)
+}
+
+/// The plan's data that impacts refer to.
+struct ImpactContext<'a> {
+    /// The plan's file.
+    file: &'a Path,
+    /// The channel of impacts that name none.
+    channel: &'a str,
+    /// The strikers.
+    strikers: &'a [(String, Uncertain)],
+    /// Whether there are light gates with a known distance.
+    gates: bool,
+}
+
+/// Reads one of `[[impacts]]`.
+fn impact(table: &TableReader<'_>, context: &ImpactContext<'_>) -> Option<PlannedImpact> {
+    let keys = ImpactKeys::read(table);
+    let is_address = |name: &str| name.contains("://") || name.starts_with("serial:");
+    let path = keys.recording.map(|name| match context.file.parent() {
+        Some(folder) if !is_address(name) => folder.join(name),
+        _ => name.into(),
+    });
+    if let (Some(name), Some(path)) = (keys.recording, &path)
+        && !is_address(name)
+        && !path.exists()
+    {
+        let found = format!("\"{name}\", which does not exist");
+        table.problem("recording", found, "a recording, its path relative to the plan");
+    }
+    let striker = match (keys.striker, context.strikers) {
+        (None, [_]) => Some(0),
+        (name, strikers) => {
+            let found = strikers.iter().position(|(known, _)| Some(known.as_str()) == name);
+            if found.is_none() {
+                let known = one_of(strikers.iter().map(|(name, _)| name));
+                let found = name.map_or(MISSING.to_owned(), |name| format!("\"{name}\""));
+                let expected = known.replacen("one of ", "one of [strikers]: ", 1);
+                table.problem("striker", found, expected);
+            }
+            found
+        }
+    };
+    let incoming = speed(table, &INCOMING, context.gates);
+    let rebound = speed(table, &REBOUND, context.gates);
+    let window = window(table, keys.window);
+    Some(PlannedImpact {
+        recording: path?,
+        place: table.place_of("recording").clone(),
+        channel: keys.channel.unwrap_or_else(|| context.channel.to_owned()),
+        shot: keys.shot?,
+        striker: striker?,
+        incoming: incoming?,
+        rebound: rebound?,
+        window: window?,
+    })
+}
+
+/// The one of several ways to measure a speed that is used.
+fn speed(
+    table: &TableReader<'_>,
+    ways: &[(&'static str, SpeedMethod)],
+    gates: bool,
+) -> Option<(SpeedMethod, Uncertain)> {
+    let used: Vec<_> = ways.iter().filter(|(key, _)| table.has(key)).collect();
+    let [(key, method)] = used.as_slice() else {
+        let found =
+            if used.is_empty() { MISSING.to_owned() } else { format!("{} of them", used.len()) };
+        table.problem(ways.first()?.0, found, one_of(ways.iter().map(|(key, _)| key)));
+        return None;
+    };
+    if *method == SpeedMethod::GateTime && !gates {
+        table.problem(key, "a time between gates", "[speeds] with gate_distance as well");
+    }
+    Some((*method, uncertain(table, ImpactKeys::KEYS, key)?))
+}
+
+/// `window = ["-10 us", "200 us"]`; `Some(None)` without one, `None` if it is wrong.
+#[allow(clippy::option_option, reason = "wrong, or not there, or there")]
+fn window(table: &TableReader<'_>, texts: Option<Places<'_>>) -> Option<Option<[f64; 2]>> {
+    if !table.has("window") {
+        return Some(None);
+    }
+    let texts = texts.unwrap_or_default();
+    let times: Vec<f64> =
+        texts.iter().filter_map(|(text, _)| parse(text, Dimension::TIME).ok()).collect();
+    match times.as_slice() {
+        [from, to] if from < to && texts.len() == 2 => Some(Some([*from, *to])),
+        _ => {
+            let found = texts.iter().map(|(text, _)| *text).collect::<Vec<_>>().join(", ");
+            let expected = "two times after the trigger, e.g. [\"-10 us\", \"200 us\"]";
+            table.problem("window", format!("[{found}]"), expected);
+            None
+        }
+    }
+}
+
+/// The quantity `key` of `keys` and its standard uncertainty, `key` with `_u`, in its unit or as a
+/// share of it.
+fn uncertain(table: &TableReader<'_>, keys: &'static [Key], key: &str) -> Option<Uncertain> {
+    let declared = keys.iter().find(|known| known.name == key)?;
+    let dimension = declared.dimension()?;
+    let value: Option<f64> = table.get(declared);
+    let uncertainty = format!("{key}_u");
+    let Some(node) = table.node(&uncertainty) else {
+        let expected =
+            format!("the standard uncertainty of {key}, as {dimension} or a share, e.g. \"0.5 %\"");
+        table.missing(&uncertainty, expected);
+        return None;
+    };
+    let read: Option<Difference> = match &node.value {
+        Value::Number { value, .. } => {
+            Some(Difference { value: *value, dimension: Dimension::NONE })
+        }
+        Value::Text(text) => text.parse().ok(),
+        _ => None,
+    };
+    let u = match read.filter(|u| (0.0..f64::INFINITY).contains(&u.value)) {
+        Some(u) if u.dimension == dimension => u.value,
+        // A share needs its quantity.
+        Some(Difference { value: share, dimension: Dimension::NONE }) => share * value?,
+        _ => {
+            let expected = format!("{dimension} of zero or more, or a share, e.g. \"0.5 %\"");
+            table.problem(&uncertainty, node.describe(), expected);
+            return None;
+        }
+    };
+    let quantity = Uncertain::normal(value?, u);
+    if !quantity.is_known() {
+        let found = format!("{}, more than {key} itself", node.describe());
+        table.problem(&uncertainty, found, "a standard uncertainty (k = 1) below the value");
+        return None;
+    }
+    Some(quantity)
 }

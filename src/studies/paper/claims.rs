@@ -1,10 +1,12 @@
 //! The paper's statements and numbers, read from `recordings/herbold-2009-claims.toml`.
 
 use crate::data;
-use crate::quantity::{Dimension, parse_any};
+use crate::quantity::{Dimension, Quantity};
 use crate::scene::document::Node;
 use crate::scene::problem::Problem;
-use crate::scene::reader::{Bound, Problems, TableReader};
+use crate::scene::table::{
+    Problems, TableReader, any, count, flag, list_of, positive, table, text,
+};
 
 const FILE: &str = "herbold-2009-claims.toml";
 /// Figures that the paper has.
@@ -68,42 +70,58 @@ pub fn claims() -> Result<(Vec<Claim>, Vec<Slip>), Vec<Problem>> {
     let bytes = data::recording(FILE).unwrap_or_default();
     let root = Node::parse(FILE, &String::from_utf8_lossy(bytes))?;
     let problems = Problems::default();
-    let mut read = (Vec::new(), Vec::new());
-    if let Some(root) = TableReader::of(&root, "", &problems) {
-        let _ = root.node("provenance");
-        read.0.extend(root.list("claim").into_iter().filter_map(claim));
-        read.1.extend(root.list("slip").into_iter().filter_map(slip));
-        root.finish();
+    let read = TableReader::of(&root, "", &[FileKeys::KEYS], &problems).map(|table| {
+        let keys = FileKeys::read(&table);
+        let (claims, slips) = (keys.claim.unwrap_or_default(), keys.slip.unwrap_or_default());
+        let claims = claims.iter().filter_map(|row| claim(ClaimKeys::read(row)));
+        (claims.collect(), slips.iter().filter_map(SlipKeys::read).collect())
+    });
+    problems.finish(read)
+}
+
+table! {
+    /// The file.
+    struct FileKeys<'a> {
+        provenance: &'a Node = any(&[]),
+        claim: Vec<TableReader<'a>> = list_of(&[ClaimKeys::KEYS]),
+        slip: Vec<TableReader<'a>> = list_of(&[SlipKeys::KEYS]),
     }
-    let problems = problems.into_sorted();
-    if problems.is_empty() { Ok(read) } else { Err(problems) }
 }
 
-fn text(row: &TableReader<'_>, key: &'static str) -> Option<String> {
-    Some(row.required_text(key, "words")?.to_owned())
+table! {
+    /// One of `[[slip]]`.
+    SlipKeys => Slip {
+        place = text().needs("words"),
+        says = text().needs("words"),
+    }
 }
 
-fn slip(row: TableReader<'_>) -> Option<Slip> {
-    let slip = Slip { place: text(&row, "place")?, says: text(&row, "says")? };
-    row.finish();
-    Some(slip)
+table! {
+    /// One of `[[claim]]`.
+    struct ClaimKeys<'a> {
+        item: String = text().required().needs("words"),
+        place: String = text().required().needs("words"),
+        says: String = text().required().needs("words"),
+        figure: u8 = count(1, LAST_FIGURE),
+        because: String = text().or(""),
+        at_least: f64 = positive(Dimension::NONE),
+        at_most: f64 = positive(Dimension::NONE),
+        about: bool = flag().or("false"),
+        measured: bool = flag().or("false"),
+        counts_to: &'a str = text(),
+        printed: &'a str = text(),
+    }
 }
 
-fn claim(row: TableReader<'_>) -> Option<Claim> {
-    let (item, place, says) = (text(&row, "item")?, text(&row, "place")?, text(&row, "says")?);
-    let figure = row.count("figure", 1, LAST_FIGURE).and_then(|number| u8::try_from(number).ok());
-    let because = row.text("because").unwrap_or_default().to_owned();
-    let at_least = row.quantity("at_least", Dimension::NONE, Bound::Positive);
-    let at_most = row.quantity("at_most", Dimension::NONE, Bound::Positive);
-    let about = row.flag("about").unwrap_or(false);
-    let measured = row.flag("measured").unwrap_or(false);
-    let counts_to = row.text("counts_to").map(Typed::of);
-    let printed = row.text("printed").map(Typed::of);
+fn claim(keys: ClaimKeys<'_>) -> Option<Claim> {
+    let row = &keys.table;
+    let counts_to = keys.counts_to.map(Typed::of);
+    let printed = keys.printed.map(Typed::of);
     let unit = printed.as_ref().map_or("", |typed| typed.unit).to_owned();
-    let expected = match (printed, at_least, at_most) {
+    let expected = match (printed, keys.at_least, keys.at_most) {
         (Some(typed), None, None) => {
             let last = counts_to.map_or(typed.last_digit, |counts| counts.value);
-            let share = if about { 1.0 } else { 0.5 };
+            let share = if keys.about? { 1.0 } else { 0.5 };
             Expected::Printed { value: typed.value, allowed: share * last }
         }
         (None, Some(bound), None) => Expected::AtLeast(bound),
@@ -113,12 +131,21 @@ fn claim(row: TableReader<'_>) -> Option<Claim> {
             return None;
         }
     };
-    let Ok((scale, _)) = parse_any(format!("1 {unit}").trim_end()) else {
+    let Ok(Quantity { value: scale, .. }) = format!("1 {unit}").parse() else {
         row.problem("printed", format!("the unit {unit}"), "a unit");
         return None;
     };
-    row.finish();
-    Some(Claim { item, place, figure, says, expected, unit, scale, because, measured })
+    Some(Claim {
+        item: keys.item?,
+        place: keys.place?,
+        figure: keys.figure,
+        says: keys.says?,
+        expected,
+        unit,
+        scale,
+        because: keys.because?,
+        measured: keys.measured?,
+    })
 }
 
 /// A number with a unit, as typed.

@@ -4,7 +4,7 @@ use super::live_state::TunedSettings;
 use super::screen_state::ScreenState;
 use crate::chain::{End, LossKind, LossSpec, MagnetForce, PlacedAt};
 use crate::experiment::outcome::effects;
-use crate::quantity::{engineering, parse_any};
+use crate::quantity::{Quantity, engineering};
 use crate::scene::{LOOSEST_ACCURACY, Scene, TIGHTEST_ACCURACY};
 use crate::scope::Source;
 use crate::tui::axis::TurnDirection;
@@ -260,7 +260,7 @@ impl BenchKnob {
 
 /// The value that was typed for `path` in this session (unit).
 pub fn pending(tuned: &TunedSettings, path: &str) -> Option<f64> {
-    parse_any(tuned.get(path)?).ok().map(|(value, _)| value)
+    tuned.get(path)?.parse::<Quantity>().ok().map(|quantity| quantity.value)
 }
 
 /// A value as it would be typed, with three digits.

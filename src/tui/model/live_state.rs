@@ -10,6 +10,7 @@ use super::state::RunState;
 use crate::experiment::outcome::Summary;
 use crate::recording::TraceSet;
 use crate::scene::Scene;
+use crate::scene::document::quoted;
 use crate::scope::Setup;
 
 /// Settings by path, `striker.speed`, as text.
@@ -86,7 +87,7 @@ impl LiveBench {
             let (table, key) = path.rsplit_once('.').unwrap_or(("", path));
             tables.entry(table).or_default().push((key, value));
         }
-        let mut text = format!("base = {}\n", toml_string(&self.base));
+        let mut text = format!("base = {}\n", quoted(&self.base));
         for (table, pairs) in tables {
             if !table.is_empty() {
                 let _ = write!(text, "\n[{table}]\n");
@@ -95,31 +96,12 @@ impl LiveBench {
                 let _ = match value {
                     "true" | "false" => writeln!(text, "{key} = {value}"),
                     number if number.parse::<u64>().is_ok() => writeln!(text, "{key} = {number}"),
-                    _ => writeln!(text, "{key} = {}", toml_string(value)),
+                    _ => writeln!(text, "{key} = {}", quoted(value)),
                 };
             }
         }
         text
     }
-}
-
-/// `text` as a basic string of TOML 1.0, with its quotes.
-fn toml_string(text: &str) -> String {
-    let mut quoted = String::from("\"");
-    for letter in text.chars() {
-        match letter {
-            '"' | '\\' => {
-                quoted.push('\\');
-                quoted.push(letter);
-            }
-            control if control.is_control() => {
-                let _ = write!(quoted, "\\u{:04X}", u32::from(control));
-            }
-            other => quoted.push(other),
-        }
-    }
-    quoted.push('"');
-    quoted
 }
 
 /// State of a served scope, without its traces.

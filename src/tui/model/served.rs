@@ -3,7 +3,7 @@
 use super::live_state::{LiveBench, ServedScope, TunedSettings};
 use super::screen_state::{Request, ScreenState};
 use super::state::RunState;
-use crate::quantity::parse_any;
+use crate::quantity::Quantity;
 use crate::recording::TraceSet;
 use crate::scene::Scene;
 use crate::scope::Setup;
@@ -176,8 +176,8 @@ fn command(path: &str, value: &str) -> Option<String> {
             format!("CH{number}:{word}")
         }
     };
-    let value = match parse_any(value) {
-        Ok((number, _)) => format!("{number:E}"),
+    let value = match value.parse::<Quantity>() {
+        Ok(quantity) => format!("{:E}", quantity.value),
         Err(_) if matches!(value, "true" | "false") => {
             if value == "true" { "ON" } else { "OFF" }.to_owned()
         }

@@ -18,7 +18,8 @@ use super::event::ScreenEvent;
 use crate::client::{
     Address, ClientError, ClientTiming, LineEvent, Scope, create_recording, wall_clock_time,
 };
-use crate::recording::mcap::{RecordingWriter, ShotNotes, WriteError};
+use crate::recording::RecordingError;
+use crate::recording::mcap::{RecordingWriter, ShotNotes};
 use crate::recording::{Capture, Shot, TraceSet};
 use crate::scope::Model;
 use crate::tui::job::{guarded, with_reasons};
@@ -73,8 +74,8 @@ impl ServedConnection {
     /// Records what is shown in `file` or, if that exists, by the next free number; its name.
     ///
     /// # Errors
-    /// [`WriteError`] if the file cannot be written.
-    pub fn record(&mut self, file: &Path) -> Result<PathBuf, WriteError> {
+    /// [`RecordingError`] if the file cannot be written.
+    pub fn record(&mut self, file: &Path) -> Result<PathBuf, RecordingError> {
         let recorder = create_recording(file, self.scope.address(), self.scope.instrument())?;
         let file = recorder.file().to_owned();
         self.recorder = Some(recorder);

@@ -6,7 +6,7 @@ use hertzscope::analysis::correlation::delay;
 use hertzscope::analysis::droop::undo_droop;
 use hertzscope::analysis::gate::Gate;
 use hertzscope::analysis::pulse::{Conditions, Pulse, PulseError};
-use hertzscope::analysis::speed::{decay, speed, speed_over};
+use hertzscope::analysis::speed::{speed, speed_over};
 use hertzscope::quantity::Uncertain;
 use hertzscope::trace::Trace;
 use rand_distr::{Distribution, StandardNormal};
@@ -214,7 +214,7 @@ fn first_peak_and_count() {
 }
 
 #[test]
-fn speeds_and_decay() {
+fn speeds_carry_the_uncertainty_of_distance_and_times() {
     let sure =
         |value: f64, standard_uncertainty: f64| Uncertain::normal(value, standard_uncertainty);
     let found = speed(sure(0.05, 1e-5), sure(1e-4, 1e-6), sure(4e-4, 1e-6)).expect("a speed");
@@ -223,13 +223,6 @@ fn speeds_and_decay() {
     let relative = (4e-8 + 2.0 / 9e4_f64).sqrt();
     assert!((found.u / found.value / relative - 1.0).abs() < 1e-12);
     assert_eq!(speed_over(sure(0.05, 1e-5), sure(0.0, 1e-6)), None);
-    // Uncertainties of 1 % at x = 0, 1, 2 m: the slope's is 0.01/sqrt(2).
-    let amplitude = |x: f64| (x, sure(3.0 * (-0.4 * x).exp(), 0.03 * (-0.4 * x).exp()));
-    let found = decay(&[amplitude(0.0), amplitude(1.0), amplitude(2.0)]).expect("a decay");
-    assert!((found.value - 0.4).abs() < 1e-14);
-    assert!((found.u - 0.01 / 2f64.sqrt()).abs() < 1e-14);
-    assert_eq!(decay(&[amplitude(1.0)]), None);
-    assert_eq!(decay(&[amplitude(1.0), (2.0, sure(-1.0, 0.1))]), None);
 }
 
 #[test]

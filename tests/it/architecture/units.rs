@@ -6,7 +6,7 @@
 //! nested as may be. What is only visible inside the crate is exempt.
 
 use super::source::{self, SourceFile, Violation};
-use hertzscope::quantity;
+use hertzscope::quantity::Quantity;
 use proc_macro2::Span;
 use syn::visit::{self, Visit};
 use syn::{
@@ -193,7 +193,7 @@ fn unit_of(doc: &str) -> Unit {
         // Behind a comma or semicolon stands what holds in another case: `(s; Hz for an FFT)`.
         let unit = brackets.split([',', ';']).next().unwrap_or_default().trim();
         let known =
-            FURTHER_UNITS.contains(&unit) || quantity::parse_any(&format!("1 {unit}")).is_ok();
+            FURTHER_UNITS.contains(&unit) || format!("1 {unit}").parse::<Quantity>().is_ok();
         if known && !unit.is_empty() {
             return Unit::Named;
         }

@@ -5,7 +5,8 @@ use super::source::{self, SourceFile, Violation};
 /// Columns of a comment's line, its indentation included.
 const COMMENT_COLUMNS: usize = 100;
 
-/// Every comment on a line of its own that is wider, unless it is a single word, such as an address.
+/// Every comment on a line of its own that is wider, unless it is a single word, such as an
+/// address.
 pub fn check(files: &[SourceFile]) -> Vec<Violation> {
     let mut violations = Vec::new();
     for file in files {

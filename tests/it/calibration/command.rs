@@ -137,7 +137,7 @@ fn mistakes_in_a_plan_are_told_with_their_places() {
     let missing = told(PLAN);
     assert!(
         missing.contains(
-            "plan.toml:10:13: impacts[1].recording: found \"none.mcap\", which does not exist"
+            "plan.toml:10:13: impacts.1.recording: found \"none.mcap\", which does not exist"
         ),
         "{missing}"
     );
@@ -158,7 +158,7 @@ fn mistakes_in_a_plan_are_told_with_their_places() {
             "",
             "missing `strikers.ball.mass_u`: give the standard uncertainty of mass",
         ),
-        ("height_u = \"0.1 mm\"", "height_u = \"0.1 g\"", "plan.toml:12:12: impacts[1].height_u"),
+        ("height_u = \"0.1 mm\"", "height_u = \"0.1 g\"", "plan.toml:12:12: impacts.1.height_u"),
         ("in_chain = true", "", "gain_limit = \"3 %\" of its data sheet"),
         (
             "rebound_speed = \"0.4 m/s\"\n",

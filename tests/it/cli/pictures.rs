@@ -51,7 +51,8 @@ fn a_plot_shows_the_points_of_the_table() {
     assert_eq!(drawn.len(), bands.len());
     for ((x, y), row) in drawn.into_iter().zip(bands) {
         let [preload, edge] = ["preload_n", "f1_hz"].map(|key| row[key].as_f64().expect(key));
-        // Ticks of the ordinate are kilohertz, 4 pixels above their names; a pixel is 0.13 N, 30 Hz.
+        // Ticks of the ordinate are kilohertz, 4 pixels above their names; a pixel is 0.13 N, 30
+        // Hz.
         assert!((to_value(&across, x) - preload).abs() < 0.1, "{preload} N at {x}");
         let height = 1e3 * to_value(&up, y + 4.0);
         assert!((height - edge).abs() < 30.0, "{edge} Hz at {y}: {height}");

@@ -1,6 +1,6 @@
 //! Messages on the wire.
 
-use hertzscope::hislip::message::{
+use hertzscope::hislip::{
     DecodedPiece, Decoder, HEADER_BYTES, MAX_PAYLOAD, MessageHeader, MessageType,
 };
 use proptest::prelude::*;

@@ -1,112 +1,134 @@
 //! Clients on one side of the protocol, an instrument that writes everything down on the other.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::MutexGuard;
 
-use hertzscope::hislip::Server;
-use hertzscope::hislip::message::{DecodedPiece, Decoder, MessageType, write};
-use hertzscope::lan::Device;
-use hertzscope::lan::lock::Locks;
+use hertzscope::hislip::{DecodedPiece, Decoder, MessageType, write};
+use hertzscope::server::{Answer, Interrupts, Protocol, Request};
+use tokio::sync::mpsc;
 
-/// An instrument that answers what ends with a question mark: the text before it.
+use crate::fuzz_corpora::network::{Device, Network};
+
+/// An instrument that answers what ends with a question mark: the text before it. It owes the reply
+/// to `later?`.
 #[derive(Default)]
 pub struct Fake {
     pub log: Vec<String>,
     pub owes: bool,
-    pub event: bool,
-    pub enabled: u8,
     /// The reply to a device trigger.
     pub triggered: Vec<u8>,
-    pub locks: Locks,
     text: Vec<u8>,
+    sessions: BTreeMap<u64, mpsc::Sender<Answer>>,
+}
+
+impl Fake {
+    fn send(&self, session: u64, answer: Answer) {
+        // The connection may have ended.
+        let _ = self.sessions[&session].try_send(answer);
+    }
+
+    /// The reply that it owes to a session.
+    pub fn reply(&mut self, session: u64, bytes: &[u8]) {
+        self.owes = false;
+        self.send(session, Answer::Reply(bytes.to_vec()));
+        self.send(session, Answer::Resumed);
+    }
+
+    fn interrupt(&mut self, session: u64, interrupts: Interrupts) {
+        let is_owed = interrupts == Interrupts::IfOwed && self.owes;
+        if is_owed || interrupts == Interrupts::Always {
+            self.owes = false;
+            self.log.push(format!("{session} interrupted"));
+            self.send(session, Answer::Interrupted);
+        }
+    }
+
+    fn complete(&mut self, session: u64, reply: Vec<u8>) {
+        if !reply.is_empty() {
+            self.send(session, Answer::Reply(reply));
+        }
+        self.send(session, Answer::Done { waits: self.owes });
+    }
 }
 
 impl Device for Fake {
-    fn open(&mut self, session: u16, _: u64) {
-        self.log.push(format!("open {session}"));
-    }
-
-    fn close(&mut self, session: u16) {
-        self.log.push(format!("close {session}"));
-    }
-
-    fn input(&mut self, session: u16, bytes: &[u8], end: bool) -> Vec<u8> {
-        self.text.extend_from_slice(bytes);
-        if !end {
-            return Vec::new();
+    fn execute(&mut self, request: Request) {
+        match request {
+            Request::Open { session, answers, .. } => {
+                self.log.push(format!("open {session}"));
+                self.sessions.insert(session, answers);
+            }
+            Request::Close { session } => {
+                self.log.push(format!("close {session}"));
+                self.sessions.remove(&session);
+            }
+            Request::Message { session, bytes, end, interrupts } => {
+                self.interrupt(session, interrupts);
+                self.text.extend_from_slice(&bytes);
+                let mut reply = Vec::new();
+                if end || bytes.ends_with(b"\n") {
+                    let text =
+                        String::from_utf8_lossy(&std::mem::take(&mut self.text)).into_owned();
+                    let text = text.trim_end();
+                    self.log.push(format!("{session}: {text}"));
+                    self.owes |= text == "later?";
+                    if let Some(answer) = text.strip_suffix('?').filter(|_| !self.owes) {
+                        reply = format!("{answer}\n").into_bytes();
+                    }
+                }
+                self.complete(session, reply);
+            }
+            Request::Trigger { session, interrupts } => {
+                self.interrupt(session, interrupts);
+                self.log.push(format!("{session} triggers"));
+                self.complete(session, self.triggered.clone());
+            }
+            Request::Clear { session, done } => {
+                self.owes = false;
+                self.text.clear();
+                self.log.push(format!("{session} cleared"));
+                done.send(()).expect("a connection that waits");
+            }
+            Request::LockKeys(locked) => self.log.push(format!("keys {locked}")),
         }
-        let text = String::from_utf8(std::mem::take(&mut self.text)).expect("text");
-        self.log.push(format!("{session}: {text}"));
-        self.owes |= text == "later?";
-        match text.strip_suffix('?') {
-            Some(answer) if !self.owes => format!("{answer}\n").into_bytes(),
-            _ => Vec::new(),
-        }
-    }
-
-    fn is_waiting(&self, session: u16) -> bool {
-        self.owes_reply(session)
-    }
-
-    fn owes_reply(&self, _: u16) -> bool {
-        self.owes
-    }
-
-    fn interrupt(&mut self, session: u16) {
-        self.owes = false;
-        self.log.push(format!("{session} interrupted"));
-    }
-
-    fn clear(&mut self, session: u16) {
-        self.owes = false;
-        self.text.clear();
-        self.log.push(format!("{session} cleared"));
-    }
-
-    fn trigger(&mut self, session: u16) -> Vec<u8> {
-        self.log.push(format!("{session} triggers"));
-        self.triggered.clone()
-    }
-
-    fn lock_keys(&mut self, locked: bool) {
-        self.log.push(format!("keys {locked}"));
-    }
-
-    fn status(&self, message_available: bool) -> (u8, u8) {
-        let byte = (u8::from(message_available) << 4) | (u8::from(self.event) << 5);
-        let asks = byte & self.enabled != 0;
-        (byte | (u8::from(asks) << 6), self.enabled)
-    }
-
-    fn locks(&mut self) -> &mut Locks {
-        &mut self.locks
     }
 }
 
 /// A message as a client sees it: kind, control code, parameter, payload.
 pub type Seen = (MessageType, u8, u32, Vec<u8>);
 
-/// A server with its connections, each with what it has been sent.
-#[derive(Default)]
+/// Connections, each with what it has been sent.
 pub struct Lab {
-    pub server: Server,
-    pub fake: Fake,
-    inboxes: Vec<(Decoder, VecDeque<Seen>, bool)>,
+    pub network: Network<Fake>,
+    inboxes: BTreeMap<usize, (Decoder, VecDeque<Seen>)>,
+}
+
+impl Default for Lab {
+    fn default() -> Self {
+        Self::new(0)
+    }
 }
 
 /// A session's two connections and its number.
 #[derive(Clone, Copy)]
 pub struct Client {
-    pub synchronous: u64,
-    pub asynchronous: u64,
-    pub session: u16,
+    pub synchronous: usize,
+    pub asynchronous: usize,
+    pub session: u64,
 }
 
 impl Lab {
-    pub fn connection(&mut self) -> u64 {
-        let number = self.inboxes.len() as u64;
-        self.inboxes.push(Default::default());
-        self.server.opened(number);
-        number
+    /// VXI-11 is spoken on `vxi11_port`.
+    pub fn new(vxi11_port: u16) -> Self {
+        Self { network: Network::new(vxi11_port), inboxes: BTreeMap::new() }
+    }
+
+    pub fn fake(&self) -> MutexGuard<'_, Fake> {
+        self.network.device()
+    }
+
+    pub fn connection(&mut self) -> usize {
+        self.network.connect(Protocol::Hislip)
     }
 
     pub fn client(&mut self) -> Client {
@@ -121,57 +143,39 @@ impl Lab {
             self.next(asynchronous),
             (MessageType::AsyncInitializeResponse, 0, 0, Vec::new())
         );
-        let session = u16::try_from(parameter & 0xFFFF).expect("a number");
-        Client { synchronous, asynchronous, session }
+        Client { synchronous, asynchronous, session: u64::from(parameter & 0xFFFF) }
     }
 
-    pub fn send(&mut self, at: u64, kind: MessageType, codes: (u8, u32), payload: &[u8]) {
+    pub fn send(&mut self, at: usize, kind: MessageType, codes: (u8, u32), payload: &[u8]) {
         let mut bytes = Vec::new();
         write(kind, codes.0, codes.1, payload, &mut bytes);
-        self.bytes(at, &bytes);
-    }
-
-    pub fn bytes(&mut self, connection: u64, bytes: &[u8]) {
-        self.server.received(connection, bytes, &mut self.fake);
-        self.deliver();
+        self.network.send(at, &bytes);
     }
 
     pub fn wait_until(&mut self, now: f64) {
-        self.server.advance(now, &mut self.fake);
-        self.deliver();
-    }
-
-    pub fn close(&mut self, connection: u64) {
-        self.server.closed(connection, &mut self.fake);
-        self.deliver();
-    }
-
-    pub fn deliver(&mut self) {
-        for output in self.server.take_output() {
-            let index = usize::try_from(output.connection).expect("a number");
-            let (decoder, inbox, closed) = &mut self.inboxes[index];
-            decoder.push(&output.bytes);
-            while let Some(piece) = decoder.next_piece() {
-                let DecodedPiece::Message(header, payload) = piece else { panic!("{piece:?}") };
-                let kind = MessageType::from_code(header.code).expect("a known kind");
-                inbox.push_back((kind, header.control, header.parameter, payload));
-            }
-            *closed |= output.close;
-        }
+        self.network.wait_until(now);
     }
 
     /// The next message that a connection was sent.
     #[track_caller]
-    pub fn next(&mut self, connection: u64) -> Seen {
+    pub fn next(&mut self, connection: usize) -> Seen {
         self.try_next(connection).expect("a message")
     }
 
-    pub fn try_next(&mut self, connection: u64) -> Option<Seen> {
-        self.inboxes[usize::try_from(connection).expect("a number")].1.pop_front()
+    pub fn try_next(&mut self, connection: usize) -> Option<Seen> {
+        self.network.settle();
+        let (decoder, inbox) = self.inboxes.entry(connection).or_default();
+        decoder.push(&self.network.received(connection));
+        while let Some(piece) = decoder.next_piece() {
+            let DecodedPiece::Message(header, payload) = piece else { panic!("{piece:?}") };
+            let kind = MessageType::from_code(header.code).expect("a known kind");
+            inbox.push_back((kind, header.control, header.parameter, payload));
+        }
+        inbox.pop_front()
     }
 
-    pub fn is_closed(&self, connection: u64) -> bool {
-        self.inboxes[usize::try_from(connection).expect("a number")].2
+    pub fn is_closed(&self, connection: usize) -> bool {
+        self.network.is_closed(connection)
     }
 
     /// Sends a whole message as number `number`, counted from 0.

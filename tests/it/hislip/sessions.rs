@@ -1,6 +1,6 @@
 //! Sessions: beginning, messages and replies, interruption, device clear, status, errors.
 
-use hertzscope::hislip::message::MessageType;
+use hertzscope::hislip::MessageType;
 use proptest::prelude::*;
 
 use super::partner::{Client, Lab, identifier};
@@ -13,7 +13,7 @@ fn a_reply_carries_its_messages_identifier() {
     lab.send(client.synchronous, MessageType::DataEnd, (0, identifier(1)), b"llo?");
     let reply = (MessageType::DataEnd, 0, identifier(1), b"hello\n".to_vec());
     assert_eq!(lab.next(client.synchronous), reply);
-    assert_eq!(lab.fake.log, ["open 1", "1: hello?"]);
+    assert_eq!(lab.fake().log, ["open 1", "1: hello?"]);
 }
 
 #[test]
@@ -26,9 +26,9 @@ fn sessions_stand_beside_each_other() {
     assert_eq!(lab.next(two.synchronous).3, b"two\n");
     assert_eq!(lab.next(one.synchronous).3, b"one\n");
     // One connection less is none.
-    lab.close(one.asynchronous);
+    lab.network.close(one.asynchronous);
     assert!(lab.is_closed(one.synchronous) && !lab.is_closed(two.synchronous));
-    assert_eq!(lab.fake.log.last().expect("a line"), "close 1");
+    assert_eq!(lab.fake().log.last().expect("a line"), "close 1");
 }
 
 /// Replies are cut to what the client takes, header included.
@@ -82,7 +82,7 @@ fn an_unread_reply_is_interrupted() {
     lab.say(client, 4, true, "fifth");
     assert_eq!(lab.next(client.synchronous).3, b"fourth\n");
     assert_eq!(lab.try_next(client.synchronous), None);
-    assert_eq!(lab.fake.log.iter().filter(|line| line.contains("interrupted")).count(), 1);
+    assert_eq!(lab.fake().log.iter().filter(|line| line.contains("interrupted")).count(), 1);
 }
 
 /// So is one that is still to come.
@@ -94,11 +94,9 @@ fn an_owed_reply_is_interrupted() {
     assert_eq!(lab.try_next(client.synchronous), None);
     lab.say(client, 1, false, "now");
     assert_eq!(lab.next(client.synchronous).0, MessageType::Interrupted);
-    lab.fake.log.clear();
+    lab.fake().log.clear();
     lab.say(client, 2, false, "later?");
-    lab.fake.owes = false;
-    lab.server.reply(client.session, b"at last\n");
-    lab.deliver();
+    lab.fake().reply(client.session, b"at last\n");
     let reply = (MessageType::DataEnd, 0, identifier(2), b"at last\n".to_vec());
     assert_eq!(lab.next(client.synchronous), reply);
 }
@@ -115,7 +113,7 @@ fn a_device_clear_step_by_step() {
     assert_eq!(acknowledged, (MessageType::AsyncDeviceClearAcknowledge, 0, 0, Vec::new()));
     // What was on its way is thrown away.
     lab.say(client, 2, false, "lost?");
-    assert_eq!(lab.fake.log.iter().filter(|line| line.contains("lost")).count(), 0);
+    assert_eq!(lab.fake().log.iter().filter(|line| line.contains("lost")).count(), 0);
     // A client that prefers overlap mode is told that this is synchronised.
     lab.send(client.synchronous, MessageType::DeviceClearComplete, (1, 0), b"");
     let seen: Vec<_> = std::iter::from_fn(|| lab.try_next(client.synchronous)).collect();
@@ -125,7 +123,7 @@ fn a_device_clear_step_by_step() {
     lab.say(client, 0, false, "fresh?");
     let reply = (MessageType::DataEnd, 0, identifier(0), b"fresh\n".to_vec());
     assert_eq!(lab.next(client.synchronous), reply);
-    assert_eq!(lab.fake.log.last().expect("a line"), "1: fresh?");
+    assert_eq!(lab.fake().log.last().expect("a line"), "1: fresh?");
 }
 
 fn status(lab: &mut Lab, client: Client, delivered: bool) -> u8 {
@@ -153,10 +151,10 @@ fn the_status_byte_tells_of_a_message() {
 fn service_is_asked_for_once_a_reason() {
     let mut lab = Lab::default();
     let client = lab.client();
-    lab.fake.enabled = 32;
+    lab.network.set_status(false, 32);
     lab.wait_until(1.0);
     assert_eq!(lab.try_next(client.asynchronous), None);
-    lab.fake.event = true;
+    lab.network.set_status(true, 32);
     lab.wait_until(2.0);
     lab.wait_until(3.0);
     assert_eq!(
@@ -166,11 +164,32 @@ fn service_is_asked_for_once_a_reason() {
     assert_eq!(lab.try_next(client.asynchronous), None);
     assert_eq!(status(&mut lab, client, false), 96);
     assert_eq!(status(&mut lab, client, false), 32);
-    lab.fake.event = false;
+    lab.network.set_status(false, 32);
     lab.wait_until(4.0);
-    lab.fake.event = true;
+    lab.network.set_status(true, 32);
     lab.wait_until(5.0);
     assert_eq!(lab.next(client.asynchronous).0, MessageType::AsyncServiceRequest);
+}
+
+/// Group execute trigger (IEEE 488.2, 6.1.4.2.5): it has its reply, and a message that has begun
+/// goes on behind it.
+#[test]
+fn a_trigger_stands_beside_a_message_and_has_a_reply() {
+    let mut lab = Lab::default();
+    let client = lab.client();
+    lab.fake().triggered = b"0;READY\n".to_vec();
+    lab.send(client.synchronous, MessageType::Data, (0, identifier(0)), b"hal");
+    lab.send(client.synchronous, MessageType::Trigger, (0, identifier(1)), b"");
+    let reply = (MessageType::DataEnd, 0, identifier(1), b"0;READY\n".to_vec());
+    assert_eq!(lab.next(client.synchronous), reply);
+    lab.send(client.synchronous, MessageType::DataEnd, (1, identifier(2)), b"f?");
+    let reply = (MessageType::DataEnd, 0, identifier(2), b"half\n".to_vec());
+    assert_eq!(lab.next(client.synchronous), reply);
+    assert_eq!(lab.fake().log, ["open 1", "1 triggers", "1: half?"]);
+    // A trigger before the reply was read throws it away, as a message does.
+    lab.send(client.synchronous, MessageType::Trigger, (0, identifier(3)), b"");
+    let interrupted = (MessageType::Interrupted, 0, identifier(3), Vec::new());
+    assert_eq!(lab.next(client.synchronous), interrupted);
 }
 
 #[test]
@@ -184,26 +203,26 @@ fn triggers_and_keys() {
         lab.send(client.asynchronous, MessageType::AsyncRemoteLocalControl, (control, 0), b"");
         let seen = lab.next(client.asynchronous);
         assert_eq!(seen, (MessageType::AsyncRemoteLocalResponse, 0, 0, Vec::new()));
-        assert_eq!(lab.fake.log.last().expect("a line"), line);
+        assert_eq!(lab.fake().log.last().expect("a line"), line);
     }
     lab.send(client.asynchronous, MessageType::AsyncRemoteLocalControl, (7, 0), b"");
     let (kind, code, ..) = lab.next(client.asynchronous);
     assert_eq!((kind, code), (MessageType::Error, 2));
-    assert_eq!(lab.fake.log[1], "1 triggers");
+    assert_eq!(lab.fake().log[1], "1 triggers");
 }
 
 /// IVI-6.1, tables 14 and 16: what ends a connection, and what does not.
 #[test]
 fn errors_have_the_standards_codes() {
     let mut lab = Lab::default();
-    let fatal = |lab: &mut Lab, connection: u64, code: u8| {
+    let fatal = |lab: &mut Lab, connection: usize, code: u8| {
         let (kind, control, parameter, text) = lab.next(connection);
         assert_eq!((kind, control, parameter), (MessageType::FatalError, code, 0));
         assert!(!text.is_empty() && text.is_ascii());
         assert!(lab.is_closed(connection));
     };
     let connection = lab.connection();
-    lab.bytes(connection, b"*IDN?\n and more bytes");
+    lab.network.send(connection, b"*IDN?\n and more bytes");
     fatal(&mut lab, connection, 1);
     let connection = lab.connection();
     lab.send(connection, MessageType::Initialize, (0, 0x0100_0000), b"inst7");
@@ -223,13 +242,13 @@ fn errors_have_the_standards_codes() {
     for (at, code, error) in
         [(client.synchronous, 26, 1), (client.synchronous, 200, 3), (client.asynchronous, 7, 1)]
     {
-        lab.bytes(at, &[b'H', b'S', code, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]);
+        lab.network.send(at, &[b'H', b'S', code, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]);
         let (kind, control, ..) = lab.next(at);
         assert_eq!((kind, control), (MessageType::Error, error), "type {code}");
     }
     let mut long = vec![b'H', b'S', 7, 0, 0xFF, 0xFF, 0xFF, 0, 0, 0, 0, 0, 0, 1, 0, 1];
     long.extend(vec![b'x'; 65537]);
-    lab.bytes(client.synchronous, &long);
+    lab.network.send(client.synchronous, &long);
     let (kind, control, ..) = lab.next(client.synchronous);
     assert_eq!((kind, control), (MessageType::Error, 4));
     lab.say(client, 1, false, "still there?");
@@ -255,12 +274,12 @@ proptest! {
             bytes.extend(parameter.to_be_bytes());
             bytes.extend((payload.len() as u64).to_be_bytes());
             bytes.extend(payload.iter().map(|byte| byte & 0x7F));
-            lab.bytes(at, &bytes);
+            lab.network.send(at, &bytes);
         }
-        lab.close(bad.synchronous);
-        lab.close(bad.asynchronous);
-        lab.close(stray);
-        lab.fake.owes = false;
+        lab.network.close(bad.synchronous);
+        lab.network.close(bad.asynchronous);
+        lab.network.close(stray);
+        lab.fake().owes = false;
         let good = lab.client();
         lab.say(good, 0, false, "well?");
         let (kind, _, _, payload) = lab.next(good.synchronous);

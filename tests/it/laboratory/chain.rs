@@ -1,5 +1,5 @@
-//! The bench of Herbold et al. (2009) with the 0.61 g striker and the magnet: forces in particles 2,
-//! 14 and 27 and at the wall.
+//! The bench of Herbold et al. (2009) with the 0.61 g striker and the magnet: forces in particles
+//! 2, 14 and 27 and at the wall.
 
 use std::sync::LazyLock;
 

@@ -98,7 +98,8 @@ fn a_step_decays_with_the_high_pass() {
 
 #[test]
 fn each_octave_of_pink_noise_has_the_same_power() {
-    // Differences of means over neighbouring blocks (the Haar variance) are the same for all blocks.
+    // Differences of means over neighbouring blocks (the Haar variance) are the same for all
+    // blocks.
     let mut random = Random::new(7);
     let mut variance = [0.0; 5];
     for _ in 0..200 {

@@ -6,7 +6,7 @@ use hertzscope::calibrate::equation::SpeedSource;
 use hertzscope::calibrate::simulation::BlindCalibration;
 use hertzscope::calibrate::{Calibration, Draws, calibrate};
 use hertzscope::recording::mcap;
-use hertzscope::scene::{plan, plates};
+use hertzscope::scene::{plan, sensors};
 use std::path::Path;
 
 use crate::calibration::BENCH;
@@ -178,7 +178,7 @@ fn the_sensors_file_carries_channel_and_range() {
     write(at, |plan| plan);
     hertzscope(at, &["calibrate", "plan.toml", "-o", "out"]).success();
     let file = at.join("out/pzt-5a-710pf-calibrated.toml").display().to_string();
-    let sensor = plates::load(&file).expect("readable").expect("a sensor");
+    let sensor = sensors::load(&file).expect("readable").expect("a sensor");
     let chain = sensor.measured.chain.expect("a chain");
     assert_eq!((chain.channel, chain.range), (1, 2.0));
     // Used at 2 V/div nothing is added; through another range of a scope that nobody knows, both
@@ -214,7 +214,7 @@ fn a_charge_amplifier_is_a_load() {
     let charge = number("sensitivity_v_per_n") / 1e10;
     assert!((number("charge_sensitivity_c_per_n") / charge - 1.0).abs() < 1e-12);
     let file = at.join("out/pzt-5a-710pf-calibrated.toml").display().to_string();
-    let sensor = plates::load(&file).expect("readable").expect("a sensor");
+    let sensor = sensors::load(&file).expect("readable").expect("a sensor");
     assert_eq!(sensor.measured.load, None);
     let certificate = std::fs::read_to_string(at.join("out/certificate.md")).expect("a page");
     assert!(certificate.contains("a charge amplifier of 10 mV/pC"), "{certificate}");

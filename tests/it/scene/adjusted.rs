@@ -57,3 +57,47 @@ fn a_panel_that_does_not_fit_any_more_is_refused() {
     assert_eq!(told.0, told.1);
     assert_eq!(told.0.len(), 1, "{told:?}");
 }
+
+/// Rust's `{:?}` escapes a no-break space as `\u{a0}` and a combining accent as `\u{301}`, which
+/// TOML does not know.
+#[test]
+fn a_derived_scene_can_be_read_whatever_its_names() {
+    for name in ["lab\u{a0}data", "re\u{301}sultats", "a\"b", "del\u{7f}ete", "back\\slash", "左"]
+    {
+        let folder = tempfile::tempdir().expect("a folder");
+        let folder = folder.path().join(name);
+        std::fs::create_dir(&folder).expect("a folder");
+        let file = folder.join("s.toml");
+        let text = format!(
+            "base = \"magnet-0.61g\"\n[sensors.{}]\nmodel = \"pzt-5a-710pf\"\nparticle = 5\n",
+            hertzscope::scene::document::quoted(name)
+        );
+        std::fs::write(&file, text).expect("a file");
+        let mut scene = Adjustable::load(file.to_str().expect("a path")).expect("a scene");
+        let mut knobs = scene.knobs("striker.speed").expect("a number");
+        if !name.contains('.') {
+            knobs.extend(scene.knobs(&format!("sensors.{name}.offset")).expect("a number"));
+        }
+        let values: Vec<_> = knobs.iter().map(|knob| (knob, 0.25, 6)).collect();
+        let derived = scene.derived(&values, name);
+        let derived = Scene::from_text("derived", "derived.toml", &derived)
+            .unwrap_or_else(|error| panic!("{name}: {error}\n{derived}"));
+        assert_eq!(derived.title, name);
+        assert!((derived.initial_velocities[0] - 0.25).abs() < 1e-12);
+    }
+}
+
+/// A change of 5 °C is 5 K; its standard uncertainty of 1 K is that of 5 K.
+#[test]
+fn a_change_in_degrees_is_a_difference() {
+    let text = "base = \"magnet-0.61g\"\n[effects.sensor_tolerance]\nspread = \"1 %\"\ntemperature_change = \"5 °C\"\npermittivity_coefficient = \"0.3 %/°C\"\nd33_coefficient = \"0.001 /K\"\n";
+    let mut scene = Adjustable::from_text("t", "t.toml", text).expect("a scene");
+    let knobs = scene.knobs("effects.sensor_tolerance.temperature_change").expect("a number");
+    assert!((knobs[0].value - 5.0).abs() < 1e-12, "{}", knobs[0].value);
+    let tolerance = |scene: &Scene| scene.sensor_tolerance.expect("a tolerance");
+    let found = tolerance(&scene.scene().expect("a scene"));
+    assert!((found.temperature - 5.0).abs() < 1e-12);
+    assert!((found.permittivity_coefficient - 3e-3).abs() < 1e-15);
+    let changed = scene.with(&[(&knobs[0], 7.0)]).expect("a scene");
+    assert!((tolerance(&changed).temperature - 7.0).abs() < 1e-12);
+}

@@ -149,11 +149,7 @@ fn bases_that_are_not_there_or_go_in_circles() {
     assert!(no_file[0].found.contains("scene.toml"), "{}", no_file[0]);
     let itself = problems("base = \"scene.toml\"\n");
     assert_eq!(itself.len(), 1);
-    assert!(
-        itself[0].found.contains("more than 8 scenes standing on one another"),
-        "{}",
-        itself[0]
-    );
+    assert!(itself[0].found.contains("more than 8 scenes based on one another"), "{}", itself[0]);
     let folder =
         folder_with(&[("a.toml", "base = \"b.toml\"\n"), ("b.toml", "base = \"a.toml\"\n")]);
     let circle = told(load_file(&folder.path().join("a.toml")));

@@ -47,13 +47,13 @@ fn losses_out_of_range_or_incomplete() {
         ),
         (
             "[effects.dashpot]\ngamma = \"1 N*s/m\"\nEND\n[[effects.dashpot.contacts]]\nbetween = ¦[\"can\", \"can\"]\ngamma = \"2 N*s/m\"",
-            "dashpot.contacts[1].between",
+            "dashpot.contacts.1.between",
             "do not touch",
             "ball and can",
         ),
         (
             "[effects.dashpot]\ngamma = \"1 N*s/m\"\nEND\n[[effects.dashpot.contacts]]\nbetween = ¦[\"can\"]\ngamma = \"2 N*s/m\"",
-            "dashpot.contacts[1].between",
+            "dashpot.contacts.1.between",
             "1 names",
             "two kinds",
         ),

@@ -7,7 +7,7 @@ fn keys_that_do_not_exist() {
     all_told(&[
         ["title =", "¦titel =", "titel", "unknown key `titel`", "title"],
         ["[striker]\n", "[striker]\n¦masse = 1\n", "striker.masse", "unknown key `masse`", "mass"],
-        ["repeat = 19", "repeat = 19\n¦times = 2", "chain.segments[1].times", "`times`", "repeat"],
+        ["repeat = 19", "repeat = 19\n¦times = 2", "chain.segments.1.times", "`times`", "repeat"],
         [
             "[effects.gravity]",
             "[effects.¦friction]\n\n[effects.gravity]",
@@ -62,7 +62,7 @@ fn keys_that_are_missing() {
                 "a material",
             ],
             ["[chain]\ntop = \"free\"", "¦[chain]", "chain.top", "no such key", "\"free\""],
-            ["particles = [\"ball\"]", "", "chain.segments[2].particles", "no particles", "a list"],
+            ["particles = [\"ball\"]", "", "chain.segments.2.particles", "no particles", "a list"],
             ["side = \"3 mm\"\n", "", "sensors.p14.side", "no such key", "a length (m)"],
             ["particle = 14\n", "", "sensors.p14.particle", "no such key", "from 1 to 39"],
             ["time_base = \"250 us/div\"\n", "", "scope.time_base", "no such key", "a time base"],
@@ -128,28 +128,28 @@ fn values_of_the_wrong_kind() {
         ["seed = 7", "seed = ¦7.5", "seed", "7.5", "a whole number"],
         ["seed = 7", "seed = ¦-1", "seed", "-1", "from 0"],
         ["seed = 7", "seed = ¦9007199254740993", "seed", "9007199254740993", "9007199254740991"],
-        ["repeat = 19", "repeat = ¦19.0", "chain.segments[1].repeat", "19.0", "a whole number"],
-        ["repeat = 19", "repeat = ¦0", "chain.segments[1].repeat", "0", "from 1"],
-        ["repeat = 19", "repeat = ¦30_001", "chain.segments[1].repeat", "30001", "30000"],
-        ["repeat = 19", "repeat = ¦30000", "chain.segments[1].repeat", "a longer chain", "30000"],
+        ["repeat = 19", "repeat = ¦19.0", "chain.segments.1.repeat", "19.0", "a whole number"],
+        ["repeat = 19", "repeat = ¦0", "chain.segments.1.repeat", "0", "from 1"],
+        ["repeat = 19", "repeat = ¦30_001", "chain.segments.1.repeat", "30001", "30000"],
+        ["repeat = 19", "repeat = ¦30000", "chain.segments.1.repeat", "a longer chain", "30000"],
         [
             "particles = [\"ball\"]",
             "particles = ¦\"ball\"",
-            "chain.segments[2].particles",
+            "chain.segments.2.particles",
             "\"ball\"",
             "a list",
         ],
         [
             "particles = [\"ball\"]",
             "particles = [\"ball\", ¦3]",
-            "chain.segments[2].particles",
+            "chain.segments.2.particles",
             "the number 3",
             "a name",
         ],
         [
             "particles = [\"ball\"]",
             "particles = ¦[]",
-            "chain.segments[2].particles",
+            "chain.segments.2.particles",
             "no particles",
             "a list",
         ],
@@ -379,7 +379,7 @@ fn a_chain_that_cannot_stand() {
         [
             "particles = [\"ball\"]",
             "particles = [¦\"cube\"]",
-            "chain.segments[2].particles",
+            "chain.segments.2.particles",
             "\"cube\"",
             "ball, can",
         ],
@@ -476,12 +476,12 @@ fn velocities_that_contradict_one_another() {
         [
             striker,
             &twice,
-            "initial_velocities[2].particle",
+            "initial_velocities.2.particle",
             "a second velocity of particle 3",
             "one velocity",
         ],
-        [striker, &beyond, "initial_velocities[1].particle", "40", "from 1 to 39"],
-        [striker, wrong, "initial_velocities[1].velocity", "a length", "a speed"],
+        [striker, &beyond, "initial_velocities.1.particle", "40", "from 1 to 39"],
+        [striker, wrong, "initial_velocities.1.velocity", "a length", "a speed"],
     ]);
     let told = problems(&bench_with(striker, &slow));
     assert_eq!(told.len(), 1, "{told:#?}");

@@ -108,6 +108,37 @@ fn vertical_settings_beyond_the_instrument() {
 }
 
 /// The ends of the range are settings of the instrument, through every probe.
+/// Programmer manual of the TDS 2014, table 2-27: positions reach 2 V at the input up to 200
+/// mV/div, 50 V above it.
+#[test]
+fn traces_are_not_moved_beyond_the_instruments_reach() {
+    let ch2 = "input = \"p14\"\nscale = \"1 V/div\"\nposition = \"0 div\"";
+    let with = |scale: &str, position: &str| {
+        format!("input = \"p14\"\nscale = \"{scale}\"\nposition = {position}")
+    };
+    all_told(&[
+        [ch2, &with("1 V/div", "¦\"1000 div\""), "scope.ch2.position", "1000 div", "within 50 div"],
+        [ch2, &with("1 V/div", "¦\"-52 div\""), "scope.ch2.position", "-52 div", "within 50 div"],
+        [ch2, &with("200 mV/div", "¦\"12 div\""), "scope.ch2.position", "12 div", "within 10 div"],
+    ]);
+    for (scale, position) in [("1 V/div", "\"50 div\""), ("200 mV/div", "\"-10 div\"")] {
+        load(&bench_with(ch2, &with(scale, position))).expect("within reach");
+    }
+}
+
+/// A number without a unit is only repeated in the example if it is one that would be taken.
+#[test]
+fn a_scale_of_zero_is_not_its_own_example() {
+    let ch2 = "input = \"p14\"\nscale = \"1 V/div\"";
+    all_told(&[[
+        ch2,
+        "input = \"p14\"\nscale = ¦0",
+        "scope.ch2.scale",
+        "the number 0 without a unit",
+        "a vertical scale (V/div) above zero, e.g. \"500 mV/div\"",
+    ]]);
+}
+
 #[test]
 fn smallest_and_largest_scale_are_in_range() {
     let ch2 = "input = \"p14\"\nscale = \"1 V/div\"\nposition = \"0 div\"";

@@ -4,11 +4,19 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use hertzscope::scene::plan::{self, PlanError};
-use hertzscope::scene::resolved::{annotated_plan, annotated_scene};
+use hertzscope::scene::help::annotated;
+use hertzscope::scene::plan;
 use hertzscope::scene::{Problem, Scene, SceneError};
 
 use super::{BENCH, problems};
+
+fn annotated_scene() -> String {
+    annotated("scene").expect("a page")
+}
+
+fn annotated_plan() -> String {
+    annotated("plan").expect("a page")
+}
 
 /// A key that no table has: the problem that it makes names all that the table has.
 const UNKNOWN: &str = "zzz = 1";
@@ -42,7 +50,8 @@ fn what_is_shown_is_the_same_scene() {
     }
     let folder = tempfile::tempdir().expect("a folder");
     let own = "base = \"magnet-0.61g\"\n[striker]\nspeed = \"0.6 m/s\"\n[effects]\nscope_noise = false\n[materials.ptfe]\nyoungs_modulus = \"1.5 GPa\"\n";
-    for (name, text) in [("all.toml", annotated_scene()), ("bench.toml", BENCH), ("own.toml", own)]
+    for (name, text) in
+        [("all.toml", annotated_scene().as_str()), ("bench.toml", BENCH), ("own.toml", own)]
     {
         let file = folder.path().join(name);
         std::fs::write(&file, text).expect("a file");
@@ -61,8 +70,9 @@ fn what_is_shown_is_the_same_scene() {
 
 /// `particles.bead.diameter` as `particles.*`, without the key.
 fn table_of(path: &str) -> String {
+    let is_item = |part: &&str| part.parse::<usize>().is_ok();
     let mut parts: Vec<String> =
-        path.split('.').map(|part| part.split('[').next().unwrap_or_default().to_owned()).collect();
+        path.split('.').filter(|part| !is_item(part)).map(str::to_owned).collect();
     parts.pop();
     if let ["particles" | "materials" | "sensors", _, ..] =
         parts.iter().map(String::as_str).collect::<Vec<_>>()[..]
@@ -154,7 +164,7 @@ fn of_instruments(table: &str, key: &str) -> bool {
 
 #[test]
 fn the_annotated_scene_has_every_key() {
-    let all = documented(annotated_scene());
+    let all = documented(&annotated_scene());
     let per_effect = |key: &str| all.contains(&("effects.NAME".to_owned(), key.to_owned()));
     let others = [
         (
@@ -183,7 +193,7 @@ fn the_annotated_scene_has_every_key() {
             "\ntop = { wall = \"steel_52100\", preload = \"1 N\", zzz = 1 }"
         )
     );
-    let mut known = known(&problems(&with_unknown(annotated_scene())));
+    let mut known = known(&problems(&with_unknown(&annotated_scene())));
     known.extend(self::known(&problems(&with_unknown(&text))));
     let tables: BTreeSet<&str> = known.iter().map(|(table, _)| table.as_str()).collect();
     for table in [
@@ -240,16 +250,16 @@ fn the_annotated_plan_has_every_key() {
     let read = |text: &str| {
         std::fs::write(&file, text).expect("a plan");
         match plan::load(&file) {
-            Err(PlanError::Problems(problems)) => problems,
+            Err(SceneError::InFile { problems, .. }) => problems,
             other => panic!("expected problems, found {other:?}"),
         }
     };
     // Nothing is wrong with it but that the recordings are not there.
-    let found = read(annotated_plan());
+    let found = read(&annotated_plan());
     assert!(found.iter().all(|problem| problem.found.contains("does not exist")), "{found:?}");
     let speeds = "\n[speeds]\nscale_u = \"0.1 %\"\n";
     let known = known(&read(&with_unknown(&format!("{}{speeds}", annotated_plan()))));
-    let all: BTreeSet<(String, String)> = documented(annotated_plan())
+    let all: BTreeSet<(String, String)> = documented(&annotated_plan())
         .into_iter()
         .map(|(table, key)| {
             if table.starts_with("strikers") {
@@ -277,4 +287,131 @@ fn what_is_wrong_is_not_shown() {
         Scene::resolved(file.to_str().expect("a path")),
         Err(SceneError::Problems(_))
     ));
+}
+
+/// Every `# key = value` line of the annotated scene, uncommented alone: what is refused is that it
+/// is an alternative to something that is there, never the value.
+#[test]
+fn commented_lines_of_the_annotated_scene_have_right_values() {
+    let page = annotated_scene();
+    let lines: Vec<&str> = page.lines().collect();
+    let mut tried = 0;
+    for (number, line) in lines.iter().enumerate() {
+        let Some(bare) = line.strip_prefix("# ") else { continue };
+        let Some((key, _)) = bare.split_once(" = ") else { continue };
+        if key.contains(' ') {
+            continue;
+        }
+        // The table of a line whose header is a comment as well is uncommented with it, and with
+        // all that it needs.
+        let block = lines[..number].iter().rposition(|line| line.is_empty()).map_or(0, |at| at + 1);
+        let head = (block..number).rev().find(|at| {
+            let line = lines[*at];
+            line.starts_with('[') || line.starts_with("# [")
+        });
+        if head.is_some_and(|at| lines[at].starts_with("# [")) {
+            continue;
+        }
+        tried += 1;
+        let mut text = lines.clone();
+        text[number] = bare;
+        let Err(error) = super::load(&text.join("\n")) else { continue };
+        let told = error.to_string();
+        let place = format!("scene.toml:{}:", number + 1);
+        for words in ["unknown unit", "unknown key", "no number", "; a", "expected a "] {
+            let wrong = told.lines().find(|said| said.contains(&place) && said.contains(words));
+            assert!(wrong.is_none(), "{line}\n{told}");
+        }
+    }
+    assert!(tried > 20, "{tried} lines");
+}
+
+/// Whole tables of the annotated scene that are commented out, each in place of what it excludes.
+#[test]
+fn commented_tables_of_the_annotated_scene_are_right() {
+    let page = annotated_scene();
+    let dashpot = page.find("[effects.dashpot]").expect("a table");
+    let (start, rest) = page.split_at(dashpot);
+    let uncertainty = rest.find("# What is not known").expect("a comment");
+    for table in ["[effects.kuwabara_kono]", "[effects.power_law_loss]", "[effects.magnet_preload]"]
+    {
+        let lines: Vec<&str> = rest[..uncertainty].lines().collect();
+        let head = lines.iter().position(|line| line.contains(table)).expect("a header");
+        let keys = lines[head + 1..].iter().take_while(|line| line.contains(" = "));
+        let keys =
+            keys.filter(|line| !line.contains("force = ") && !line.contains("distance_unloaded"));
+        let body: Vec<&str> =
+            [&lines[head]].into_iter().chain(keys).map(|l| l.trim_start_matches("# ")).collect();
+        let text = format!("{start}\n{}\n", body.join("\n"));
+        super::load(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    }
+}
+
+/// A key that is absent has the default that the page documents.
+#[test]
+fn an_absent_key_has_the_documented_default() {
+    let page = annotated_scene();
+    let lines: Vec<&str> = page.lines().collect();
+    let mut compared = Vec::new();
+    for (number, line) in lines.iter().enumerate() {
+        let Some((setting, comment)) = line.split_once(" # default") else { continue };
+        // `default: none` has no value to type.
+        if comment.starts_with(':') {
+            continue;
+        }
+        let Some((key, value)) = setting.split_once(" = ").filter(|(key, _)| !key.contains('#'))
+        else {
+            continue;
+        };
+        let stated = comment.split([';', ':']).next().unwrap_or_default().trim();
+        let value = if stated.is_empty() { value } else { stated };
+        // Without it that sensor has no place.
+        if key == "wall" {
+            continue;
+        }
+        let with = |line: String| {
+            let mut text: Vec<String> = lines.iter().map(|line| (*line).to_owned()).collect();
+            text[number] = line;
+            super::load(&text.join("\n"))
+                .unwrap_or_else(|error| panic!("{line}: {error}", line = lines[number]))
+        };
+        let (absent, typed) = (with(String::new()), with(format!("{key} = {value}")));
+        let absent = Scene {
+            text: typed.text.clone(),
+            texts: typed.texts.clone(),
+            // Its inputs have the names of two temporary files.
+            uncertainty: typed.uncertainty.clone(),
+            ..absent
+        };
+        assert_eq!(absent, typed, "{line}");
+        compared.push(key);
+    }
+    for key in ["frames", "seed", "repeat", "offset", "plates", "wiring", "mode", "slope", "probe"]
+    {
+        assert!(compared.contains(&key), "{key}: {compared:?}");
+    }
+}
+
+/// Defaults of a scene's front panel are the instrument's own: programmer manual of the TDS 2014,
+/// appendix "factory initialisation settings" (edge trigger on the rising slope, automatic, DC, no
+/// bandwidth limit, not inverted, sample mode, 16 averages, positions 0).
+#[test]
+fn a_panel_without_settings_is_the_factory_panel() {
+    use hertzscope::scope::{AcquireMode, Coupling, EdgeCoupling, Slope, TriggerMode};
+    let text = BENCH.split("[scope]").next().expect("a bench").to_owned()
+        + "[scope]\nmodel = \"tds2014\"\ntime_base = \"250 us/div\"\n[scope.ch1]\nscale = \"1 V/div\"\n[scope.trigger]\nsource = \"CH1\"\nlevel = \"0 V\"\n";
+    let scene = super::load(&text).expect("a scene");
+    let trigger = scene.scope.trigger;
+    assert_eq!(trigger.mode, TriggerMode::Auto);
+    assert_eq!(trigger.slope, Slope::Rise);
+    assert_eq!(trigger.coupling, EdgeCoupling::Dc);
+    assert!((trigger.holdoff - 500e-9).abs() < 1e-20);
+    let channel = scene.scope.channels[0].as_ref().expect("channel 1").vertical;
+    assert_eq!(channel.coupling, Some(Coupling::Dc));
+    assert_eq!((channel.bandwidth_limited, channel.inverted), (Some(false), Some(false)));
+    assert_eq!((channel.position, channel.probe), (0.0, 1.0));
+    assert_eq!(scene.scope.acquisition.mode, AcquireMode::Sample);
+    assert_eq!(scene.scope.acquisition.averages, 16);
+    assert_eq!(scene.scope.horizontal_position, 0.0);
+    assert_eq!(scene.frames, 200);
 }

@@ -36,7 +36,7 @@ fn all_mistakes_are_told_at_once_and_in_order() {
         "materials.plastic.poissons_ratio",
         "particles.ball.diameter",
         "particles.can.mass",
-        "chain.segments[2].particles",
+        "chain.segments.2.particles",
         "striker.mass",
         "striker.colour",
         "effects.magnet_preload.force",

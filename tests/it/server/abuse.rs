@@ -5,10 +5,9 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use hertzscope::recording::mcap::read;
-use hertzscope::server::MAX_CONNECTIONS_OF_PEER;
 
 use super::process::Process;
-use super::{Client, IDENTITY, Server, connect};
+use super::{IDENTITY, Server, connect};
 
 /// A web page can have a browser send a POST request whose body holds commands: the connection is
 /// closed at its first line.
@@ -25,51 +24,10 @@ fn an_http_request_is_no_command() {
         client.send(request.as_bytes());
         assert!(client.is_closed(), "{method}");
     }
-    // In pieces, too.
-    let mut client = server.connect();
-    client.send(b"PO");
-    std::thread::sleep(Duration::from_millis(50));
-    client.send(b"ST /x HTTP/1.1\r\n\r\nCH1:SCALE 5\n");
-    assert!(client.is_closed());
     assert_eq!(witness.ask("CH1:SCALE?"), scale);
     // A command that begins alike is one.
     let mut client = server.connect();
     assert_eq!(client.ask("HEAD ON;:CH1:SCALE?"), format!(":CH1:SCALE {scale}"));
-}
-
-/// Connections that say nothing give way to those that come, the oldest first; whoever talks stays.
-#[test]
-fn the_oldest_idle_connection_gives_way() {
-    let server = Server::at_rest();
-    let mut talks = server.connect();
-    assert_eq!(talks.ask("*IDN?"), IDENTITY);
-    let mut silent: Vec<Client> = (1..MAX_CONNECTIONS_OF_PEER).map(|_| server.connect()).collect();
-    std::thread::sleep(Duration::from_millis(1200));
-    assert_eq!(talks.ask("*IDN?"), IDENTITY);
-    for _ in 0..3 {
-        assert_eq!(server.connect().ask("*IDN?"), IDENTITY);
-    }
-    assert!(silent[0].is_closed(), "the oldest");
-    assert_eq!(talks.ask("*IDN?"), IDENTITY, "it has been heard since");
-}
-
-/// Ends of lines alone keep no connection: whoever sends nothing else gives way.
-#[test]
-fn chatty_connections_give_way() {
-    let server = Server::at_rest();
-    let mut chatty: Vec<Client> = (0..MAX_CONNECTIONS_OF_PEER).map(|_| server.connect()).collect();
-    for _ in 0..5 {
-        for client in &mut chatty {
-            client.send(b"\n");
-        }
-        std::thread::sleep(Duration::from_millis(300));
-    }
-    for client in &mut chatty {
-        client.send(b"\n");
-    }
-    for _ in 0..3 {
-        assert_eq!(server.connect().ask("*IDN?"), IDENTITY);
-    }
 }
 
 /// A server of its own process with what it says on standard error.
@@ -228,28 +186,22 @@ fn two_sessions_do_not_share_a_recording() {
 }
 
 /// No reply waits for a simulation or for what becomes of its signals, on the fastest time bases
-/// either.
+/// either: while an impact is under way, replies say that it is not there yet.
 #[test]
 fn no_reply_waits_for_an_impact() {
     let server = Process::start(&["magnet-0.61g"]);
     let mut client = connect(server.address);
     client.send(b"HOR:SCA 5E-8;:ACQ:STATE RUN\n");
-    let mut times = Vec::new();
-    let began = Instant::now();
-    while began.elapsed() < Duration::from_secs(6) {
+    let mut replies = 0;
+    for impact in 0..20 {
         client.send(b"BENC:IMP\n");
-        for _ in 0..20 {
-            let asked = Instant::now();
-            assert_eq!(client.ask("*IDN?"), IDENTITY);
-            times.push(asked.elapsed());
-            std::thread::sleep(Duration::from_millis(5));
+        let before = format!("{impact}\n");
+        while client.ask("BENC:IMP?") == before {
+            replies += 1;
         }
     }
-    times.sort();
-    let p99 = times[times.len() * 99 / 100];
-    println!("{} replies, p99 {p99:?}, longest {:?}", times.len(), times[times.len() - 1]);
-    assert_ne!(client.ask("BENC:IMP?"), "0\n", "there were impacts");
-    assert!(p99 < Duration::from_millis(50), "{p99:?}");
+    println!("{replies} replies during 20 impacts");
+    assert!(replies >= 20, "{replies} replies during 20 impacts");
 }
 
 /// Time of `SET?`, which writes a hundred settings, over that of `*IDN?`: 9 to 12 were measured.

@@ -3,7 +3,7 @@
 use std::io::{Read as _, Write as _};
 use std::net::{SocketAddr, TcpStream};
 
-use hertzscope::hislip::message::{DecodedPiece, Decoder, MessageType, write};
+use hertzscope::hislip::{DecodedPiece, Decoder, MessageType, write};
 
 use super::{IDENTITY, LIMIT, Server};
 
@@ -101,6 +101,18 @@ fn both_protocols_reach_the_same_instrument() {
     client.tell("CH1:SCALE 5");
     assert_eq!(client.ask("CH1:SCALE?"), "5.0E0\n");
     assert_eq!(raw.ask("CH1:SCALE?"), "5.0E0\n");
+}
+
+/// HiSLIP's trigger executes what `*DDT` holds, and its reply comes.
+#[test]
+fn a_trigger_executes_what_was_stored() {
+    let server = Server::at_rest();
+    let mut client = Client::to(server.hislip);
+    client.tell("*DDT \"CH1:SCA 2;SCA?\"");
+    let identifier = client.identifier;
+    client.sync.send(MessageType::Trigger, 0, identifier, b"");
+    let (_, parameter, payload) = client.sync.expect(MessageType::DataEnd);
+    assert_eq!((parameter, payload), (identifier, b"2.0E0\n".to_vec()));
 }
 
 /// A wait that no impact ends is ended by a device clear; the replies after it are the right ones.

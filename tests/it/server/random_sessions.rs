@@ -6,11 +6,12 @@ use std::net::{Shutdown, SocketAddr, TcpStream};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use hertzscope::hislip::message::MessageHeader;
+use hertzscope::hislip::MessageHeader;
 use hertzscope::scpi::tree;
 
 use super::process::Process;
-use super::{IDENTITY, connect};
+use super::{IDENTITY, LIMIT, connect};
+use crate::vxi11::{call, opaque, words};
 
 /// A small generator: the same messages each time (xorshift64*, Vigna 2016).
 struct Random(u64);
@@ -190,8 +191,49 @@ fn random_hislip(
     }
 }
 
-/// One client that means no good, of one of ten kinds.
-fn abuse(kind: usize, seed: u64, raw: SocketAddr, hislip: SocketAddr, goes_on: &dyn Fn() -> bool) {
+/// Where a server listens.
+#[derive(Clone, Copy)]
+struct Ports {
+    raw: SocketAddr,
+    hislip: SocketAddr,
+    vxi11: SocketAddr,
+    mapper: SocketAddr,
+}
+
+/// A server of all protocols.
+fn started() -> (Process, Ports) {
+    let arguments = ["magnet-0.61g", "--hislip", "0", "--vxi11", "0", "--port-mapper", "0"];
+    let mut server = Process::start(&arguments);
+    let mut port = |name: &str| -> SocketAddr {
+        let line = server.told.next().expect("a line").expect("text");
+        line.strip_prefix(name).map(str::parse).expect("a port").expect("an address")
+    };
+    let (hislip, vxi11) = (port("HiSLIP on "), port("VXI-11 on "));
+    let mapper = port("port mapper on ");
+    let ports = Ports { raw: server.address, hislip, vxi11, mapper };
+    (server, ports)
+}
+
+/// An RPC call; whether its reply begins as one that was accepted, with the word `result`.
+fn is_answered(stream: &mut TcpStream, message: &[u8], result: u32) -> bool {
+    let length = u32::try_from(message.len()).expect("short");
+    let mut reply = [0; 32];
+    let sent = stream.write_all(&[&words(&[0x8000_0000 | length]), message].concat());
+    sent.is_ok() && stream.read_exact(&mut reply).is_ok() && reply[28..] == words(&[result])
+}
+
+/// A new link.
+fn is_linked(stream: &mut TcpStream) -> bool {
+    let link = [words(&[1, 0, 0]), opaque(b"inst0")].concat();
+    is_answered(stream, &call(CORE, 1, CREATE_LINK, &link), 0)
+}
+
+const CORE: u32 = 0x0006_07AF;
+const CREATE_LINK: u32 = 10;
+
+/// One client that means no good, of one of twelve kinds.
+fn abuse(kind: usize, seed: u64, ports: Ports, goes_on: &dyn Fn() -> bool) {
+    let Ports { raw, hislip, vxi11, mapper } = ports;
     let headers = headers();
     let mut random = Random(0x9E37_79B9_7F4A_7C15 ^ seed);
     match kind {
@@ -272,8 +314,38 @@ fn abuse(kind: usize, seed: u64, raw: SocketAddr, hislip: SocketAddr, goes_on: &
                 exchange(&mut stream, &bytes);
             }
         }
+        // As many links as one connection may have, and silence; anew when it had to give way.
+        9 => {
+            while goes_on() {
+                let mut stream = dial(vxi11);
+                while goes_on() && is_linked(&mut stream) {}
+                while goes_on() && !matches!(stream.read(&mut [0]), Ok(0)) {
+                    std::thread::sleep(Duration::from_millis(20));
+                }
+            }
+        }
+        // Silence at the port mapper.
+        10 => {
+            let _streams: Vec<_> = (0..10).map(|_| dial(mapper)).collect();
+            while goes_on() {
+                std::thread::sleep(Duration::from_millis(20));
+            }
+        }
         _ => random_hislip(&mut random, hislip, &headers, goes_on),
     }
+}
+
+/// A newcomer that tries until it is served.
+fn is_served(address: SocketAddr, asks: impl Fn(&mut TcpStream) -> bool) -> bool {
+    (0..1000).any(|_| {
+        let mut stream = dial(address);
+        stream.set_read_timeout(Some(LIMIT)).expect("a limit");
+        let is_served = asks(&mut stream);
+        if !is_served {
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        is_served
+    })
 }
 
 /// Ends the abusers, also where their test fails: it would wait for them.
@@ -285,15 +357,12 @@ impl Drop for EndOnDrop<'_> {
     }
 }
 
-/// Every kind twice, for seconds; beside them one client asks who is there, and is answered as if
-/// it were alone.
+/// Twelve kinds, for seconds; beside them one client asks who is there, and is answered as if it
+/// were alone, and newcomers over all protocols are served.
 #[test]
 fn twenty_abusers_keep_nobody_waiting() {
-    let mut server = Process::start(&["magnet-0.61g", "--hislip", "0"]);
-    let line = server.told.next().expect("a line").expect("text");
-    let hislip: SocketAddr =
-        line.strip_prefix("HiSLIP on ").map(str::parse).expect("HiSLIP").expect("an address");
-    let raw = server.address;
+    let (mut server, ports) = started();
+    let raw = ports.raw;
     let goes_on = AtomicBool::new(true);
     let mut times = Vec::new();
     // Where all places are taken by live connections, a newcomer is closed at once: this client is
@@ -305,7 +374,7 @@ fn twenty_abusers_keep_nobody_waiting() {
         for number in 0..20 {
             let goes_on = &goes_on;
             scope.spawn(move || {
-                abuse(number % 10, number as u64, raw, hislip, &|| goes_on.load(Ordering::Relaxed));
+                abuse(number % 12, number as u64, ports, &|| goes_on.load(Ordering::Relaxed));
             });
         }
         let began = Instant::now();
@@ -315,6 +384,16 @@ fn twenty_abusers_keep_nobody_waiting() {
             times.push(asked.elapsed());
             std::thread::sleep(Duration::from_millis(2));
         }
+        assert!(is_served(raw, |stream| {
+            let mut reply = [0; IDENTITY.len()];
+            let asked = stream.write_all(b"*IDN?\n").and_then(|()| stream.read_exact(&mut reply));
+            asked.is_ok() && reply == IDENTITY.as_bytes()
+        }));
+        assert!(is_served(ports.hislip, |_| hislip_session(ports.hislip).is_some()));
+        assert!(is_served(ports.vxi11, is_linked));
+        let asks = call(100_000, 2, 3, &words(&[CORE, 1, 6, 0]));
+        let port = u32::from(ports.vxi11.port());
+        assert!(is_served(ports.mapper, |stream| is_answered(stream, &asks, port)));
     });
     times.sort();
     let p99 = times[times.len() * 99 / 100];
@@ -330,17 +409,14 @@ fn twenty_abusers_keep_nobody_waiting() {
 /// and measures afterwards.
 #[test]
 fn random_sessions_leave_a_scope_that_works() {
-    let mut server = Process::start(&["magnet-0.61g", "--hislip", "0"]);
-    let line = server.told.next().expect("a line").expect("text");
-    let hislip: SocketAddr =
-        line.strip_prefix("HiSLIP on ").map(str::parse).expect("HiSLIP").expect("an address");
-    let raw = server.address;
+    let (mut server, ports) = started();
+    let raw = ports.raw;
     let began = Instant::now();
     let goes_on = || began.elapsed() < Duration::from_secs(5);
     std::thread::scope(|scope| {
-        for (number, kind) in [3, 3, 3, 7, 9, 9].into_iter().enumerate() {
+        for (number, kind) in [3, 3, 3, 7, 11, 11].into_iter().enumerate() {
             let goes_on = &goes_on;
-            scope.spawn(move || abuse(kind, 1000 + number as u64, raw, hislip, goes_on));
+            scope.spawn(move || abuse(kind, 1000 + number as u64, ports, goes_on));
         }
     });
     // Ends the acquisition that a session may still wait for, and with that what it has sent after

@@ -106,23 +106,6 @@ fn an_impact_asks_for_service() {
     assert_eq!(poll(&mut client), words(&[0, 32]), "polled before");
 }
 
-/// Silent connections to the port mapper give way: the 41st is answered at once.
-#[test]
-fn a_silent_port_mapper_client_keeps_nobody_out() {
-    let server = Server::at_rest();
-    let silent: Vec<TcpStream> =
-        (0..40).map(|_| TcpStream::connect(server.mapper).expect("a connection")).collect();
-    let mut stream = TcpStream::connect(server.mapper).expect("a connection");
-    stream.set_read_timeout(Some(LIMIT)).expect("a limit");
-    let started = std::time::Instant::now();
-    send(&mut stream, &call(100_000, 2, 3, &words(&[CORE, 1, 6, 0])));
-    let expected = words(&[7, 1, 0, 0, 0, 0, u32::from(server.vxi11.port())]);
-    assert_eq!(receive(&mut stream), expected);
-    // The silent ones have ten seconds each.
-    assert!(started.elapsed() < std::time::Duration::from_secs(8));
-    drop(silent);
-}
-
 /// A device clear drops a reply that a fault delays.
 #[test]
 fn a_device_clear_drops_a_late_reply() {

@@ -12,7 +12,8 @@ fn design(text: &str) -> Design {
 
 /// Numbers at path `place` of all runs, in SI units.
 fn values(design: &Design, place: usize) -> Vec<f64> {
-    let value = |run: u64| number(&design.run(run).values[place]).expect("a number").0;
+    let value =
+        |run: u64| number("striker.speed", &design.run(run).values[place]).expect("a number").0;
     (0..design.count()).map(value).collect()
 }
 
@@ -105,4 +106,93 @@ fn more_points_leave_the_first_alone() {
     let (one, three) = (grid("[\"2 m/s\"]"), grid("[\"1 m/s\", \"2 m/s\", \"3 m/s\"]"));
     assert_eq!(shown(&one, 0), shown(&three, 1));
     assert_ne!(shown(&three, 0).1, shown(&three, 1).1);
+}
+
+/// Values of the only path of a random design.
+fn drawn(path: &str, over: &str) -> Vec<f64> {
+    let design = design(&format!(
+        "scene = \"magnet-0.61g\"\nseed = 3\n[random]\ncount = 2000\n[random.over]\n{path} = {over}\n"
+    ));
+    let value = |run: u64| number(path, &design.run(run).values[0]).expect("a number").0;
+    (0..design.count()).map(value).collect()
+}
+
+/// Mean and standard deviation.
+fn moments(values: &[f64]) -> (f64, f64) {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let square = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
+    (mean, (square / count).sqrt())
+}
+
+/// Each of 201 numbers has the same probability, whichever end comes first: mean 200, standard
+/// deviation sqrt((201^2 - 1)/12) = 58.02; 2000 draws are within 4 standard errors of them.
+#[test]
+fn whole_numbers_are_drawn_from_descending_ranges_too() {
+    for over in ["{ from = 300, to = 100 }", "{ from = 100, to = 300 }"] {
+        let values = drawn("frames", over);
+        let (mean, deviation) = moments(&values);
+        assert!((mean - 200.0).abs() < 5.2, "{over}: mean {mean}");
+        assert!((deviation - 58.02).abs() < 3.7, "{over}: deviation {deviation}");
+        let is_right = |value: &f64| value.fract() == 0.0 && (100.0..=300.0).contains(value);
+        assert!(values.iter().all(is_right), "{over}");
+        assert!(values.contains(&100.0) && values.contains(&300.0), "{over}: both ends");
+    }
+}
+
+/// The logarithm of a number between 1 and 1000 is uniform: 1/3 of 2000 are in each decade, within
+/// 4 standard errors.
+#[test]
+fn logarithmic_whole_numbers_are_whole() {
+    for over in [
+        "{ from = 2, to = 1999, spacing = \"logarithmic\" }",
+        "{ from = 1999, to = 2, spacing = \"logarithmic\" }",
+    ] {
+        let values = drawn("frames", over);
+        assert!(values.iter().all(|value| value.fract() == 0.0), "{over}");
+        assert!(values.iter().all(|value| (2.0..=1999.0).contains(value)), "{over}");
+        for decade in [2.0, 20.0, 200.0] {
+            let inside = values.iter().filter(|v| (decade..10.0 * decade).contains(*v)).count();
+            assert!((582..752).contains(&inside), "{over}: {inside} from {decade}");
+        }
+    }
+}
+
+/// As in `[uncertainty]`, `%` is a share of the value, with or without a unit.
+#[test]
+fn a_deviation_in_percent_is_a_share_of_the_mean() {
+    let modulus = "{ mean = \"1.46 GPa\", deviation = \"1 %\" }";
+    let (mean, deviation) = moments(&drawn("materials.ptfe.youngs_modulus", modulus));
+    assert!((deviation / mean - 0.01).abs() < 0.0007, "{deviation} of {mean}");
+    let ratio = "{ mean = 0.4, deviation = \"1 %\" }";
+    let (mean, deviation) = moments(&drawn("materials.ptfe.poissons_ratio", ratio));
+    assert!((mean - 0.4).abs() < 0.0004, "{mean}");
+    assert!((deviation - 0.004).abs() < 0.0003, "{deviation}: 1 % of 0.4 is 0.004");
+    let absolute = "{ mean = 0.4, deviation = 0.01 }";
+    let (_, deviation) = moments(&drawn("materials.ptfe.poissons_ratio", absolute));
+    assert!((deviation - 0.01).abs() < 0.0007, "{deviation}");
+}
+
+/// 20 °C is 293.15 K, a deviation of 2 °C is 2 K.
+#[test]
+fn a_deviation_in_degrees_is_a_difference() {
+    let over = "{ mean = \"20 °C\", deviation = \"2 °C\" }";
+    let (mean, deviation) = moments(&drawn("effects.magnet_preload.temperature", over));
+    assert!((mean - 293.15).abs() < 0.2, "{mean}");
+    assert!((deviation - 2.0).abs() < 0.13, "{deviation}");
+}
+
+/// A change of 5 °C is 5 K, in a range, in a list and in the table of results.
+#[test]
+fn a_change_in_degrees_is_a_difference() {
+    let path = "effects.sensor_tolerance.temperature_change";
+    for values in
+        ["{ from = \"0 °C\", to = \"10 °C\", count = 3 }", "[\"0 °C\", \"5 °C\", \"10 K\"]"]
+    {
+        let design = design(&format!("scene = \"magnet-0.61g\"\n[grid]\n{path} = {values}\n"));
+        let value = |run: u64| number(path, &design.run(run).values[0]).expect("a number").0;
+        for (run, kelvin) in [(0, 0.0), (1, 5.0), (2, 10.0)] {
+            assert!((value(run) - kelvin).abs() < 1e-9, "{values}: {}", value(run));
+        }
+    }
 }

@@ -46,6 +46,31 @@ fn mistakes_are_named_with_their_places() {
             "grid.toml",
             "at most 100000000 runs",
         ),
+        (
+            format!("{head}frames = {{ from = 100, to = 300, count = 4 }}"),
+            "grid.toml:3:",
+            "found a range with 166.666666667, expected whole numbers",
+        ),
+        (
+            format!("{head}chain.segments.2.repeat = {{ from = 1, to = 8, count = 3, spacing = \"logarithmic\" }}"),
+            "grid.toml:3:",
+            "found a range with 2.82842712475, expected whole numbers",
+        ),
+        (
+            "scene = \"magnet-0.61g\"\n[random]\ncount = 5\n[random.over]\nframes = { mean = 100, deviation = 2 }".to_owned(),
+            "grid.toml:5:",
+            "expected from and to as whole numbers",
+        ),
+        (
+            "scene = \"magnet-0.61g\"\n[random]\ncount = 5\n[random.over]\nstriker.speed = { mean = \"1 m/s\", deviation = \"1 K\" }".to_owned(),
+            "grid.toml:5:",
+            "expected a speed (m/s) of zero or more",
+        ),
+        (
+            "scene = \"magnet-0.61g\"\n[latin_hypercube]\ncount = 100_000_000\n[latin_hypercube.over]\nstriker.speed = { from = \"1 m/s\", to = \"2 m/s\" }".to_owned(),
+            "grid.toml:3:9",
+            "found 100000000 points of 1 values, expected at most 50000000",
+        ),
         (format!("watch = [\"p3\"]\n{head}striker.speed = [\"1 m/s\"]"), "`p3`", "p2, p14, p27, wall"),
     ];
     for (text, place, words) in cases {

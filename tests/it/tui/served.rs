@@ -3,9 +3,8 @@
 
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{TcpListener, TcpStream};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::Receiver;
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use super::bench::{compute, draw};
@@ -362,14 +361,23 @@ fn a_scope_that_scans_is_shown() {
     session.wait_for(|model| model.captures().len() == 4);
 }
 
-/// A served scope behind a line on which each reply takes `delay`; counts the time that it is busy.
+/// How the screen asks for the scope's state.
+const STATE: &str = ":ACQ:STATE?";
+
+/// What went over a line: a question of the screen, or (a part of) the reply.
+enum OnLine {
+    Asked(Instant, String),
+    Answered(Instant),
+}
+
+/// A served scope behind a line on which each reply takes `delay`, and what went over the line.
 #[allow(clippy::large_stack_arrays, reason = "a buffer of a test")]
-fn slow_line(server: &Server, delay: Duration) -> (String, Arc<AtomicU64>) {
+fn slow_line(server: &Server, delay: Duration) -> (String, Arc<Mutex<Vec<OnLine>>>) {
     let scope = server.address;
     let port = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = port.local_addr().expect("an address").to_string();
-    let busy = Arc::new(AtomicU64::new(0));
-    let counted = Arc::clone(&busy);
+    let line = Arc::new(Mutex::new(Vec::new()));
+    let (asked, answered) = (Arc::clone(&line), Arc::clone(&line));
     std::thread::spawn(move || {
         let (client, _) = port.accept().expect("a client");
         let mut scope = TcpStream::connect(scope).expect("a scope");
@@ -379,30 +387,51 @@ fn slow_line(server: &Server, delay: Duration) -> (String, Arc<AtomicU64>) {
             let mut bytes = [0; 1 << 16];
             while let Ok(count @ 1..) = from.read(&mut bytes) {
                 std::thread::sleep(delay);
-                counted.fetch_add(delay.as_micros() as u64, Ordering::Relaxed);
+                answered.lock().expect("a list").push(OnLine::Answered(Instant::now()));
                 if to.write_all(&bytes[..count]).is_err() {
                     return;
                 }
             }
         });
         for line in BufReader::new(client).lines().map_while(Result::ok) {
+            asked.lock().expect("a list").push(OnLine::Asked(Instant::now(), line.clone()));
             scope.write_all(format!("{line}\n").as_bytes()).expect("a scope");
         }
     });
-    (address, busy)
+    (address, line)
 }
 
-/// Over a slow line the screen leaves the line free for commands most of the time.
+/// Over a slow line the screen leaves the line free for commands most of the time: before it asks
+/// for the scope's state, the line was free for three times as long as the reply before had taken.
+/// A busy machine makes the pause longer and not the reply, which begins and ends on the line.
 #[test]
 fn a_slow_line_is_mostly_free() {
     let server = Server::at_rest();
-    let (address, busy) = slow_line(&server, Duration::from_millis(40));
+    let (address, line) = slow_line(&server, Duration::from_millis(40));
     let _session = Session::with(connect(&address).expect("a scope"), address);
-    let before = busy.load(Ordering::Relaxed);
-    let started = Instant::now();
-    std::thread::sleep(Duration::from_secs(4));
-    let busy = busy.load(Ordering::Relaxed) - before;
-    let share = busy as f64 * 1e-6 / started.elapsed().as_secs_f64();
-    // A quarter, and the replies that were on their way at both ends.
-    assert!(share < 0.3, "{share}");
+    let is_state = |on: &OnLine| matches!(on, OnLine::Asked(_, text) if text.starts_with(STATE));
+    while line.lock().expect("a list").iter().filter(|on| is_state(on)).count() < 12 {
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    let line = line.lock().expect("a list");
+    let (mut asked, mut replied, mut last) = (None, None, None);
+    let mut pauses = 0;
+    for on in line.iter() {
+        match on {
+            OnLine::Asked(now, text) if text.starts_with(STATE) => {
+                if let (Some(asked), Some(replied), Some(last)) = (asked, replied, last) {
+                    let (reply, pause) = (replied - asked, *now - last);
+                    assert!(pause >= 3 * reply, "{pause:?} after {reply:?}");
+                    pauses += 1;
+                }
+                (asked, replied) = (Some(*now), None);
+            }
+            OnLine::Asked(..) => {}
+            OnLine::Answered(now) => {
+                replied = replied.or(Some(*now));
+                last = Some(*now);
+            }
+        }
+    }
+    assert!(pauses >= 10, "{pauses}");
 }

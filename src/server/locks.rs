@@ -6,10 +6,14 @@
 //! exclusive one, and the shared lock is free or has the same key. Source: IVI-6.1, section 5
 //! (locking).
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
+use std::time::Duration;
+
+use tokio::sync::watch;
+use tokio::time::timeout;
 
 /// Longest key of a shared lock (bytes).
-pub const MAX_KEY_LENGTH: usize = 256;
+const MAX_KEY_LENGTH: usize = 256;
 
 /// The outcome of a lock request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,15 +39,15 @@ pub enum Released {
 
 /// The locks of all sessions.
 #[derive(Debug, Clone, Default)]
-pub struct Locks {
-    exclusive: Option<u16>,
+struct Locks {
+    exclusive: Option<u64>,
     key: Vec<u8>,
-    sharers: BTreeSet<u16>,
+    sharers: BTreeSet<u64>,
 }
 
 impl Locks {
     /// Requests the shared lock with this key or, if the key is empty, the exclusive lock.
-    pub fn request(&mut self, session: u16, key: &[u8]) -> Grant {
+    fn request(&mut self, session: u64, key: &[u8]) -> Grant {
         let held_by_another = self.exclusive.is_some_and(|holder| holder != session);
         if key.is_empty() {
             if self.exclusive == Some(session) {
@@ -68,7 +72,7 @@ impl Locks {
     }
 
     /// Gives a lock back, the exclusive one first.
-    pub fn release(&mut self, session: u16) -> Released {
+    fn release(&mut self, session: u64) -> Released {
         if self.exclusive == Some(session) {
             self.exclusive = None;
             Released::Exclusive
@@ -79,40 +83,75 @@ impl Locks {
         }
     }
 
-    /// The session is gone, and its locks with it.
-    pub fn remove_session(&mut self, session: u16) {
-        while self.release(session) != Released::Nothing {}
-    }
-
     /// Whether the session's messages reach the instrument.
-    pub fn may_act(&self, session: u16) -> bool {
+    fn may_act(&self, session: u64) -> bool {
         self.exclusive.is_none_or(|holder| holder == session) && self.may_share(session)
     }
 
-    /// Whether a session holds the exclusive lock.
-    pub fn is_exclusive(&self) -> bool {
-        self.exclusive.is_some()
-    }
-
     /// How many sessions have a lock.
-    pub fn holders(&self) -> usize {
+    fn holders(&self) -> usize {
         let alone = self.exclusive.is_some_and(|holder| !self.sharers.contains(&holder));
         self.sharers.len() + usize::from(alone)
     }
 
-    fn may_share(&self, session: u16) -> bool {
+    fn may_share(&self, session: u64) -> bool {
         self.sharers.is_empty() || self.sharers.contains(&session)
     }
 }
 
-/// A request that waits for its lock.
-#[derive(Debug, Clone)]
-pub struct LockRequest {
-    /// Key of the shared lock; empty for the exclusive one.
-    pub key: Vec<u8>,
-    /// Time at which the request expires, on the server's clock (s).
-    pub until: f64,
-}
+/// The locks of all sessions, for connections that wait for them.
+#[derive(Debug, Default)]
+pub struct LockTable(watch::Sender<Locks>);
 
-/// Requests that wait, by session: one each.
-pub type Queue = BTreeMap<u16, LockRequest>;
+impl LockTable {
+    /// Requests the shared lock with this key or, if the key is empty, the exclusive lock.
+    pub fn request(&self, session: u64, key: &[u8]) -> Grant {
+        let mut grant = Grant::Busy;
+        self.0.send_if_modified(|locks| {
+            grant = locks.request(session, key);
+            grant == Grant::Granted
+        });
+        grant
+    }
+
+    /// The same, for a lock that may be free within a time.
+    pub async fn acquire(&self, session: u64, key: Vec<u8>, within: Duration) -> Grant {
+        let mut changes = self.0.subscribe();
+        let granted = async {
+            loop {
+                let grant = self.request(session, &key);
+                if grant != Grant::Busy || changes.changed().await.is_err() {
+                    return grant;
+                }
+            }
+        };
+        timeout(within, granted).await.unwrap_or(Grant::Busy)
+    }
+
+    /// Waits until the session's messages reach the instrument.
+    pub async fn may_act(&self, session: u64) {
+        // The sender is alive as long as this is borrowed.
+        let _ = self.0.subscribe().wait_for(|locks| locks.may_act(session)).await;
+    }
+
+    /// Gives a lock back, the exclusive one first.
+    pub fn release(&self, session: u64) -> Released {
+        let mut released = Released::Nothing;
+        self.0.send_if_modified(|locks| {
+            released = locks.release(session);
+            released != Released::Nothing
+        });
+        released
+    }
+
+    /// The session is gone, and its locks with it.
+    pub fn remove_session(&self, session: u64) {
+        while self.release(session) != Released::Nothing {}
+    }
+
+    /// Whether a session holds the exclusive lock, and how many sessions have a lock.
+    pub fn holders(&self) -> (bool, usize) {
+        let locks = self.0.borrow();
+        (locks.exclusive.is_some(), locks.holders())
+    }
+}

@@ -1,11 +1,12 @@
-//! Messages on the wire: a header of sixteen bytes, then a payload.
+//! The messages of the HiSLIP protocol (IVI-6.1, High-Speed LAN Instrument Protocol, revision 1.1),
+//! without I/O: a header of sixteen bytes, then a payload.
 //!
 //! `"HS"`, type, control code, parameter (four bytes), length of the payload (eight bytes), most
 //! significant byte first. Source: IVI-6.1, section 2.
 
 /// Bytes of a header.
 pub const HEADER_BYTES: usize = 16;
-/// Longest payload that is kept. Longer ones are passed over, and their senders told.
+/// Longest payload that is kept (bytes). Longer ones are skipped and answered by an error.
 pub const MAX_PAYLOAD: usize = 64 * 1024;
 /// First of the types that vendors may use as they like.
 pub const FIRST_VENDOR_TYPE: u8 = 128;
@@ -52,7 +53,7 @@ kinds! {
     Trigger = 12,
     /// A reply was thrown away because another message came.
     Interrupted = 13,
-    /// A reply was thrown away, told on the asynchronous connection.
+    /// The same as `Interrupted`, on the asynchronous connection.
     AsyncInterrupted = 14,
     /// The largest message that the client takes.
     AsyncMaximumMessageSize = 15,
@@ -84,7 +85,7 @@ impl MessageType {
         self as u8
     }
 
-    /// The kind that a number stands for.
+    /// The type with this number.
     pub fn from_code(code: u8) -> Option<Self> {
         Self::ALL.get(usize::from(code)).copied()
     }
