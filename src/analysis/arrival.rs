@@ -89,9 +89,8 @@ const STEEPEST_GROWTH: i32 = 4;
 const FIT_WIDTH_FACTOR: f64 = 1.6;
 /// A level this many standard deviations of the smoothed noise high can be found (1).
 const MIN_LEVEL_DEVIATIONS: f64 = 4.0;
-/// A slope is determined to this share of itself at least, in standard uncertainties; below that
-/// noise may turn it over (1).
-const MAX_SLOPE_SHARE: f64 = 0.5;
+/// A slope whose standard uncertainty is a larger share of itself may be turned over by noise (1).
+const MAX_SLOPE_SHARE: f64 = 1.0;
 /// A fit is moved to what it found this many times.
 const CENTRING_STEPS: usize = 3;
 

@@ -38,9 +38,9 @@ const MAX_FOOT_SHARE: f64 = 0.02;
 const MOTION_FACTOR: f64 = 2.0;
 const MOTION_DEVIATIONS: f64 = 5.0;
 const MOTION_SHARE: f64 = 0.01;
-/// Scatter below this many levels leaves rounding errors that go together: noise of 0.35 levels and
-/// rounding (1).
-const DITHERED_RMS: f64 = 0.45;
+/// Scatter below this many levels leaves rounding errors that go together: noise of a fifth of a
+/// level between two codes shows as much, noise of half a level always more (1).
+const DITHERED_RMS: f64 = 0.53;
 /// Blocks of a baseline, for its disturbance.
 const BLOCKS: usize = 40;
 /// Samples of a smooth curve about which samples scatter, and levels that it spans at least.
@@ -174,8 +174,8 @@ impl Baseline {
         self.disturbance.as_ref().map_or_else(constant, Disturbance::modes)
     }
 
-    /// `trace` without its zero, and the modes of the zero's error, both with the droop of this time
-    /// constant undone from the baseline's end on (s).
+    /// `trace` without its zero, and the modes of the zero's error, both with the droop of this
+    /// time constant undone from the baseline's end on (s).
     pub fn take_from(&self, trace: &Trace, time_constant: Option<f64>) -> (Trace, Vec<Vec<f64>>) {
         let length = trace.values.len();
         let undone = |values: Vec<f64>| {

@@ -18,8 +18,8 @@
 //!
 //! Sources: A. S. Goldberger, J. Am. Stat. Assoc. 57, 369 (1962), for the prediction; H. D.
 //! Patterson, R. Thompson, Biometrika 58, 545 (1971), for the likelihood; J. A. Hoeting et al.,
-//! Stat. Sci. 14, 382 (1999), for the averaging. Valid for records whose samples are dithered by at least a third of a level,
-//! and disturbances that do not begin amid the record.
+//! Stat. Sci. 14, 382 (1999), for the averaging. Valid for records whose samples are dithered by at
+//! least a third of a level, and disturbances that do not begin amid the record.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -134,8 +134,8 @@ impl KnownParts {
         Self { is_quiet: true, ..self }
     }
 
-    /// The parts of a record that was turned over if `sign` is negative, and of which `level` (unit)
-    /// was taken: the disturbance is that of the record itself.
+    /// The parts of a record that was turned over if `sign` is negative, and of which `level`
+    /// (unit) was taken: the disturbance is that of the record itself.
     #[must_use]
     pub fn turned(mut self, sign: f64, level: f64) -> Self {
         for block in &mut self.blocks {
@@ -146,7 +146,8 @@ impl KnownParts {
         self
     }
 
-    /// Sum of squares that zero, drift and hum of the mains that fits better leave (unit^2).
+    /// Sum of squares that zero, drift and hum of the mains that fits better leave, in squared units
+    /// of the record (unit).
     pub fn misfit(&self) -> f64 {
         let Some(whitened) = Whitened::of(self, 0.0, &[]) else { return f64::INFINITY };
         let left = |mains: usize| {
@@ -470,9 +471,11 @@ impl Disturbance {
         Some(records.iter().zip(&whitened).map(one).collect())
     }
 
-    /// Variance that 1/f noise faster than the knots gives the sum of neighbouring samples with these
-    /// `weights`: its covariance is `a^2 ln(L/distance)` up to the knots' distance `L` (unit^2).
-    pub fn fast_variance(&self, weights: &[f64]) -> f64 {
+    /// Standard deviation that 1/f noise faster than the knots gives the sum of neighbouring samples
+    /// with these `weights` (unit).
+    ///
+    /// Its covariance is `a^2 ln(L/distance)` up to the knots' distance `L`.
+    pub fn fast_noise(&self, weights: &[f64]) -> f64 {
         let step = (self.length.max(2) - 1) as f64 / (KNOTS - 1) as f64;
         let covariance: Vec<f64> = (0..weights.len())
             .map(|distance| (step / (distance as f64).max(MEAN_DISTANCE)).ln().max(0.0))
@@ -483,7 +486,7 @@ impl Disturbance {
         let both = |distance: usize| if distance == 0 { 1.0 } else { 2.0 };
         let terms = covariance.iter().enumerate().take_while(|(_, c)| **c > 0.0);
         let total: f64 = terms.map(|(distance, c)| both(distance) * c * sum(distance)).sum();
-        self.pink * self.pink * total.max(0.0)
+        self.pink * total.max(0.0).sqrt()
     }
 
     /// Values at all samples from those at the knots (unit).

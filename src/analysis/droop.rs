@@ -45,13 +45,13 @@ pub fn undo_droop_from(voltage: &Trace, from: usize, time_constant: f64) -> Trac
     Trace { values: [rest, &felt].concat(), ..voltage.clone() }
 }
 
-/// A pulse has begun where this share of the largest deviation is reached, and the signal is at rest
-/// for this share of the samples before (1).
+/// A pulse has begun where this share of the largest deviation is reached, and the signal is at
+/// rest for this share of the samples before (1).
 const PULSE_SHARE: f64 = 0.25;
 const REST_SHARE: f64 = 2.0 / 3.0;
 
-/// `trace` with the high pass of AC coupling undone, whose time constant (s) is known: another droop
-/// behind the sensor's. As it is without one.
+/// `trace` with the high pass of AC coupling undone, whose time constant (s) is known: another
+/// droop behind the sensor's. As it is without one.
 pub fn undo_coupling(trace: Trace, time_constant: Option<f64>) -> Trace {
     let Some(time_constant) = time_constant else { return trace };
     let Some(first) = trace.values.first().copied() else { return trace };

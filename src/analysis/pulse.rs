@@ -140,7 +140,7 @@ impl Pulse {
         let spread = self.baseline.rounding.spread(&weights);
         let Some(disturbance) = &self.baseline.disturbance else { return spread };
         let weights: Vec<f64> = weights.iter().map(|(weight, _)| *weight).collect();
-        spread.plus(Spread::normal(disturbance.fast_variance(&weights).sqrt()))
+        spread.plus(Spread::normal(disturbance.fast_noise(&weights)))
     }
 
     /// Variance of the signal's zero at `time` (s).

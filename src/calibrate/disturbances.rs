@@ -15,8 +15,8 @@ use crate::analysis::disturbance::{Disturbance, KnownParts};
 const BLOCKS_BEFORE: usize = 24;
 const BLOCKS_BEHIND: usize = 40;
 
-/// Time constants that are tried for a start: from this many sample intervals to this many lengths of
-/// the record, and how many (1).
+/// Time constants that are tried for a start: from this many sample intervals to this many lengths
+/// of the record, and how many (1).
 const TRIED_TIMES: (f64, f64, i32) = (20.0, 10.0, 60);
 /// A sample behind the contact above this share of the peak is another pulse's (1).
 const ANOTHER_PULSE: f64 = 0.25;
@@ -33,7 +33,8 @@ struct Parts<'a> {
 }
 
 impl<'a> Parts<'a> {
-    /// Those of `record`, if it is good for that: dithered, with a single pulse and enough behind it.
+    /// Those of `record`, if it is good for that: dithered, with a single pulse and enough behind
+    /// it.
     fn of(record: &'a RawRecord, known: &Surroundings) -> Option<Self> {
         let prepared = PreparedRecord::new(record, known).ok()?;
         let is_dithered = record.level > 0.0 && prepared.rest.is_none();

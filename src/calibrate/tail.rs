@@ -2,11 +2,12 @@
 //! left, leaking away.
 //!
 //! Without force `V[i] + (1 - a) sum over k < i of V[k] = 0`: behind a contact whose samples sum up
-//! to `B` is `V[i] = -(1 - a) a^i B`; least squares of these gives `1 - a = 1 - exp(-dt/tau)`. On a quiet scope the signal behind the contact lingers between two
-//! levels, and rounding moves it and the zero together: for each zero that the codes at rest allow,
-//! what rounding adds on average to the signal found is taken off, and `1/tau` is the mean over
-//! these zeros; how it goes with the zero counts with the baseline. Valid where the sensor feels
-//! nothing behind the contact, as one that only the striker presses on.
+//! to `B` is `V[i] = -(1 - a) a^i B`; least squares of these gives `1 - a = 1 - exp(-dt/tau)`. On a
+//! quiet scope the signal behind the contact lingers between two levels, and rounding moves it and
+//! the zero together: for each zero that the codes at rest allow, what rounding adds on average to
+//! the signal found is taken off, and `1/tau` is the mean over these zeros; how it goes with the
+//! zero counts with the baseline. Valid where the sensor feels nothing behind the contact, as one
+//! that only the striker presses on.
 
 use super::record::{PreparedRecord, RawRecord, Surroundings};
 use crate::analysis::quiet_scope::{AtRest, PossibleZero};
@@ -206,7 +207,8 @@ pub(super) fn discharged(values: &[f64], first: usize) -> Option<f64> {
     leak.is_finite().then_some(leak)
 }
 
-/// What a `charge` (V) leaves behind the contact, and its change with `1 - a`, sample by sample (V).
+/// What a `charge` (V) leaves behind the contact, and its change with `1 - a`, sample by sample
+/// (V).
 pub(super) fn discharge(charge: f64, leak: f64) -> impl Iterator<Item = [f64; 2]> {
     let mut kept = 1.0;
     let mut number = 0.0;

@@ -4,8 +4,8 @@
 //! drift, hum or 1/f noise were predicted from the samples before the pulse. With
 //! residuals' derivatives `J`, `G = (J^T J)^-1` and the errors' own covariance `W`:
 //! `C = G J^T W J G`. `W` is white, scaled by the residual variance, but for the harmonics of
-//! [`crate::analysis::rounding`] and the modes of [`crate::analysis::disturbance`]. Source: the sandwich formula, e.g. W. H. Greene, "Econometric
-//! Analysis", 8th ed. (2018), Eq. 9-8.
+//! [`crate::analysis::rounding`] and the modes of [`crate::analysis::disturbance`]. Source: the
+//! sandwich formula, e.g. W. H. Greene, "Econometric Analysis", 8th ed. (2018), Eq. 9-8.
 
 use super::records::{ChannelRecord, Records};
 use crate::analysis::least_squares::Minimum;

@@ -51,7 +51,7 @@ impl Cholesky {
         Ok(Self { lower })
     }
 
-    /// `L^-1 right`: white if `right` has the matrix as its covariance.
+    /// `L^-1 right`: white, of variance one, if `right` has the matrix as its covariance (1).
     pub fn whiten(&self, right: &[f64]) -> Vec<f64> {
         let mut x: Vec<f64> = Vec::with_capacity(right.len());
         for (row, b) in self.lower.iter().zip(right) {
@@ -61,7 +61,7 @@ impl Cholesky {
         x
     }
 
-    /// `x` with `L L^T x = right`: forward, then backward substitution.
+    /// `x` with `L L^T x = right`, by forward, then backward substitution (unit).
     pub fn solve(&self, right: &[f64]) -> Vec<f64> {
         let mut x = self.whiten(right);
         for i in (0..x.len()).rev() {
@@ -71,7 +71,7 @@ impl Cholesky {
         x
     }
 
-    /// Inverse of the matrix.
+    /// Inverse of the matrix (unit).
     pub fn inverse(&self) -> Vec<Vec<f64>> {
         let size = self.lower.len();
         let unit = |i: usize| (0..size).map(move |j| if i == j { 1.0 } else { 0.0 });

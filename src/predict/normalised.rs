@@ -63,6 +63,9 @@ pub struct NormalisedError {
     /// Change of the simulated value with each input (unit).
     #[serde(skip)]
     changes: Vec<(String, f64)>,
+    /// Standard uncertainty of the difference from both records alone (unit).
+    #[serde(skip)]
+    own_u: f64,
 }
 
 /// One statement on all peaks and delays together.
@@ -90,7 +93,7 @@ impl JointTest {
             .filter_map(|error| Some((error, error.measured?, error.simulated?)))
             .collect();
         let covariance = |(i, (a, m, s)): (usize, &(&NormalisedError, Uncertain, Uncertain))| {
-            let entry = |(j, (b, other, _)): (usize, &(&NormalisedError, Uncertain, Uncertain))| {
+            let entry = |(j, (b, ..)): (usize, &(&NormalisedError, Uncertain, Uncertain))| {
                 let of_input = |(input, change): &(String, f64)| {
                     let same = b.changes.iter().find(|(name, _)| name == input);
                     same.map_or(0.0, |(_, other)| change * other)
@@ -105,7 +108,7 @@ impl JointTest {
                         if to == other_from || from == other_to =>
                     {
                         // Half of a delay's variance is each end's.
-                        -0.5 * m.u * other.u
+                        -0.5 * a.own_u * b.own_u
                     }
                     _ => 0.0,
                 };
@@ -276,6 +279,7 @@ fn trace_error(
         e_n,
         moves,
         changes: Vec::new(),
+        own_u: 0.0,
     })
 }
 
@@ -285,6 +289,7 @@ fn error(
     simulated: Uncertain,
     output: &OutputInterval,
 ) -> NormalisedError {
+    let own_u = measured.u.hypot(simulated.u);
     // The scene's part is relative to its own value: the simulated one has noise on it.
     let scale = simulated.value / output.as_run;
     let u = simulated.u.hypot(output.u * scale);
@@ -307,5 +312,5 @@ fn error(
     let (measured, simulated) = (Some(measured), Some(simulated));
     let changes =
         output.inputs.iter().map(|part| (part.input.clone(), scale * part.change)).collect();
-    NormalisedError { quantity, unit: output.unit, measured, simulated, e_n, moves, changes }
+    NormalisedError { quantity, unit: output.unit, measured, simulated, e_n, moves, changes, own_u }
 }

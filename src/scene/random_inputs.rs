@@ -46,8 +46,8 @@ pub struct RandomInput {
     pub name: String,
     /// Its value in the scene, in SI units (unit).
     pub value: f64,
-    /// Unit in which the scene states it, and pages show it; empty for a plain number. In JSON the SI
-    /// unit of the numbers.
+    /// Unit in which the scene states it, and pages show it; empty for a plain number. In JSON the
+    /// SI unit of the numbers.
     #[serde(serialize_with = "as_si")]
     pub unit: String,
     /// Its standard uncertainty, in SI units (unit).

@@ -242,10 +242,15 @@ fn arrivals(disturbance: Disturbance, seed: u64, tally: &mut Tally) {
         else {
             continue;
         };
+        let tenth = |channel: usize| {
+            chain::first_crossing(&FORCES[channel - 1], 0.1 * peaks[channel - 1].0)
+        };
+        let tenths = tenth(to) - tenth(from);
         let (from, to) = (peaks[from - 1], peaks[to - 1]);
         let (quantity, delay) = match speed["estimator"].as_str() {
             Some("half_rise") => ("half rise to half rise", to.2 - from.2),
             Some("peak") => ("peak to peak", to.1 - from.1),
+            Some("ten_percent") => ("10 % to 10 %", tenths),
             _ => continue,
         };
         if let Some((value, expanded)) = interval(&speed["m_per_s"]) {
@@ -321,6 +326,7 @@ fn arrivals_contain_the_truth_with_what_a_laboratory_has() {
     let rows = [
         ("white noise", white),
         ("white noise 0.06 div", Disturbance::white(0.06)),
+        ("white noise 0.08 div", Disturbance::white(0.08)),
         ("a zero off by 3.5 levels", Disturbance { zero: 0.14, ..white }),
         ("drift 0.2 div", Disturbance { drift: 0.2, ..white }),
         ("hum 0.05 div", Disturbance { hum: 0.05, ..white }),
