@@ -3,16 +3,20 @@
 //!
 //! # Tour
 //!
-//! | step | item | |---|---| | describe the bench: an included scene, a file, or text |
-//! [`Scene::load`], [`Scene::from_text`] | | run it; first peaks and arrivals are accurate to the
-//! relative error asked for | [`run_to_accuracy`] | | forces, times, speeds, energies, the
-//! estimated error | [`Outcome::summary`] | | what the scope recorded, and the forces behind it |
-//! [`Outcome::shot`] | | thousands of chains on all processors, the same to the last bit with any
-//! number of threads | [`Ensemble`] | | read and write recordings, files of scopes, folders of them
-//! | [`recording::open`], [`recording::write`] | | compare a measurement with a scene, fit numbers
-//! of the scene to it | [`mod@measurement::compare`], [`fit::fit`] | | calibrate a sensor by the
-//! plan of a momentum test | [`calibrate::run`] | | serve the scope to clients over TCP |
-//! [`server::serve`] |
+//! - Describe the bench, by an included scene, a file, or text: [`Scene::load`],
+//!   [`Scene::from_text`].
+//! - Run it, with first peaks and arrivals accurate to the relative error asked for:
+//!   [`run_to_accuracy`].
+//! - Read forces, times, speeds, energies and the estimated error: [`Outcome::summary`]; what the
+//!   scope recorded, and the forces behind it: [`Outcome::shot`].
+//! - Run thousands of chains on all processors, with results that are the same to the last bit
+//!   whatever the number of threads: [`Ensemble`].
+//! - Read and write recordings, files of scopes, and folders of them: [`recording::open`],
+//!   [`recording::write`].
+//! - Compare a measurement with a scene, and fit numbers of the scene to it:
+//!   [`mod@measurement::compare`], [`fit::fit`].
+//! - Calibrate a sensor by the plan of a momentum test: [`calibrate::run`].
+//! - Serve the scope to clients over TCP: [`server::serve`].
 //!
 //! ```
 //! use hertzscope::{Scene, run_to_accuracy};
@@ -24,15 +28,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! `examples/` has a program for each row: `cargo run --release --example run_a_scene`.
+//! `examples/` has a program for most of these: `cargo run --release --example run_a_scene`.
 //!
 //! # Units
 //!
 //! All numbers are in SI units; where a name does not tell the unit, its documentation ends with it
 //! in parentheses. Times count from the striker's first contact, those of captures from their
 //! trigger. Particles count from 1 at the top, forces are positive where they compress.
-//! Uncertainties
-//! `u` are standard uncertainties (k = 1), `U95` and `expanded` hold for 95 %.
+//! Uncertainties `u` are standard uncertainties (k = 1), `U95` and `expanded` hold for 95 %.
 //!
 //! # Errors
 //!

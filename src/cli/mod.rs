@@ -181,6 +181,15 @@ fn command_line() -> clap::Command {
     )
 }
 
+/// Parses `words`, the program's name first, and runs nothing.
+///
+/// # Errors
+/// The refusal, or the help that is asked for.
+pub fn parse<'a>(words: impl IntoIterator<Item = &'a str>) -> Result<(), String> {
+    let parsed = command_line().try_get_matches_from(words);
+    parsed.map(|_| ()).map_err(|refused| refused.to_string())
+}
+
 /// Runs the program on the process's own arguments.
 pub fn main() -> ExitCode {
     let _ = output::COMMAND_LINE.set(command_line);

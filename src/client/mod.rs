@@ -21,5 +21,5 @@ pub use acquisition::{
 };
 pub use address::{Address, AddressError};
 pub use connection::Client;
-pub use record::displayed;
+pub use record::{Record, displayed};
 pub use scope::{ClientError, ClientTiming, LineEvent, Scope, ScopeState};

@@ -39,7 +39,7 @@ pub const FORMATS: [FileFormat; 2] = [
         is_in_folders: true,
         media_type: "text/csv",
         max_bytes: tek_csv::MAXIMUM_BYTES as u64,
-        read: |bytes, name, columns| Ok(tek_csv::read_columns(bytes, name, columns)?),
+        read: |bytes, name, columns| tek_csv::read_columns(bytes, name, columns),
         write: |capture| Ok(tek_csv::write(capture)?.into_bytes()),
     },
     FileFormat {
@@ -49,7 +49,7 @@ pub const FORMATS: [FileFormat; 2] = [
         media_type: "application/octet-stream",
         max_bytes: isf::MAXIMUM_BYTES as u64,
         read: |bytes, name, _| Ok(vec![isf::read(bytes, name)?]),
-        write: |capture| Ok(isf::write(capture, isf::Width::One)?),
+        write: |capture| isf::write(capture, isf::Width::One),
     },
 ];
 

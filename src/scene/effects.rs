@@ -231,8 +231,8 @@ pub struct Effects {
 }
 
 /// The value of an effect that is there and on.
-fn on<T, S>(effect: &Option<Effect<T>>, read: impl FnOnce(&T) -> Option<S>) -> Option<S> {
-    let effect = effect.as_ref()?;
+fn on<T, S>(effect: Option<&Effect<T>>, read: impl FnOnce(&T) -> Option<S>) -> Option<S> {
+    let effect = effect?;
     read(&effect.keys).filter(|_| effect.state != EffectSwitch::Off)
 }
 
@@ -246,7 +246,7 @@ pub fn effects(
 ) -> Effects {
     let keys = EffectsKeys::read(table);
     let magnet = |place: &MagnetPlaceKeys<'_>| magnet_preload(place, particles);
-    let magnet_preload = on(&keys.magnet_preload, magnet);
+    let magnet_preload = on(keys.magnet_preload.as_ref(), magnet);
     let is_described = magnet_preload.as_ref().is_some_and(|magnet| !is_constant(magnet));
     if let (Some(law), Some(magnet)) = (&keys.magnet_law, &magnet_preload)
         && is_constant(magnet)
@@ -261,13 +261,13 @@ pub fn effects(
     let effects = LOSS_KEYS.each_ref().map(|key| table.get::<Effect<NoKeys<'_>>>(key));
     let mut losses = [const { None }; LOSSES];
     for (index, (effect, spec)) in effects.iter().zip(&mut losses).enumerate() {
-        *spec = on(effect, |keys| loss(&keys.table, index, pairs, &mut ends));
+        *spec = on(effect.as_ref(), |keys| loss(&keys.table, index, pairs, &mut ends));
     }
     let spec = EffectsSpec {
-        gravity: on(&keys.gravity, |keys| {
+        gravity: on(keys.gravity.as_ref(), |keys| {
             keys.acceleration.map(|acceleration| Gravity { acceleration })
         }),
-        linearised_contacts: on(&keys.linearised_contacts, |_| Some(LinearisedContacts)),
+        linearised_contacts: on(keys.linearised_contacts.as_ref(), |_| Some(LinearisedContacts)),
         magnet_law: (is_described && !law_is_off).then_some(MagnetLaw),
         magnet_preload,
         losses,
@@ -282,10 +282,10 @@ pub fn effects(
         states.into_iter().chain(losses).filter(|(_, state)| *state == Some(EffectSwitch::Auto));
     Effects {
         spec,
-        noise: on(&keys.scope_noise, |keys| keys.rms).unwrap_or(0.0),
-        scope_errors: on(&keys.scope_errors, |_| Some(())).is_some(),
-        sensor_tolerance: on(&keys.sensor_tolerance, |keys| Some(tolerance(keys))),
-        spread: on(&keys.striker_speed_spread, |keys| {
+        noise: on(keys.scope_noise.as_ref(), |keys| keys.rms).unwrap_or(0.0),
+        scope_errors: on(keys.scope_errors.as_ref(), |_| Some(())).is_some(),
+        sensor_tolerance: on(keys.sensor_tolerance.as_ref(), |keys| Some(tolerance(keys))),
+        spread: on(keys.striker_speed_spread.as_ref(), |keys| {
             if !has_striker {
                 keys.table.problem("", "no striker", "[striker], whose speed is spread");
             }

@@ -58,7 +58,7 @@ table! {
         model: &'a str = text(),
         side: f64 = positive(Dimension::LENGTH),
         thickness: f64 = positive(Dimension::LENGTH),
-        /// or relative_permittivity and d33:
+        /// or `relative_permittivity` and `d33`:
         ceramic: &'a str = text(),
         relative_permittivity: f64 = positive(Dimension::NONE),
         d33: f64 = positive(Dimension::CHARGE_PER_FORCE),
@@ -73,7 +73,7 @@ table! {
         sensitivity: f64 = positive(Dimension::VOLTAGE_PER_FORCE),
         /// its relative standard uncertainty
         sensitivity_u: f64 = not_negative(Dimension::NONE),
-        /// measured time constant, with the input's load; replaces cable_capacitance
+        /// measured time constant, with the input's load; replaces `cable_capacitance`
         tau: f64 = positive(Dimension::TIME),
         tau_u: f64 = not_negative(Dimension::NONE),
         /// of the input that sensitivity and tau were measured with

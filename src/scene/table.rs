@@ -274,8 +274,7 @@ pub(super) fn key_at(keys: Keys, path: &[&str]) -> Option<&'static Key> {
     let mut named = keys.iter().flat_map(|keys| keys.iter()).filter(named);
     named.find_map(|key| match (key.kind, rest) {
         (_, []) => Some(key),
-        (Kind::Tables(_) | Kind::List(_), [_, rest @ ..]) => key_at(key.below(), rest),
-        (_, rest) => key_at(key.below(), rest),
+        (Kind::Tables(_) | Kind::List(_), [_, rest @ ..]) | (_, rest) => key_at(key.below(), rest),
     })
 }
 

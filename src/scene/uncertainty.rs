@@ -141,7 +141,7 @@ fn collect(
             amount.map(|amount| input(node, &path, InputDistribution::Normal(amount)))
         };
         let Some(read) = read else { continue };
-        let expected = key_at(&[RootKeys::KEYS], &keys).and_then(|key| key.dimension());
+        let expected = key_at(&[RootKeys::KEYS], &keys).and_then(super::table::Key::dimension);
         match (read.distribution.dimension(), expected) {
             (Some(found), Some(expected)) if found != expected => {
                 let found = format!("`{}` is {found}", typed(node));

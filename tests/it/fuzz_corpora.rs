@@ -3,6 +3,8 @@
 
 use std::path::Path;
 
+#[path = "../../fuzz/targets/arguments.rs"]
+mod arguments;
 #[path = "../../fuzz/targets/csv.rs"]
 mod csv;
 #[path = "../../fuzz/desk.rs"]
@@ -15,10 +17,14 @@ mod isf;
 mod mcap;
 #[path = "../../fuzz/network.rs"]
 pub mod network;
+#[path = "../../fuzz/targets/reply.rs"]
+mod reply;
 #[path = "../../fuzz/targets/scpi.rs"]
 mod scpi;
 #[path = "../../fuzz/targets/set.rs"]
 mod set;
+#[path = "../../fuzz/targets/settings.rs"]
+mod settings;
 #[path = "../../fuzz/targets/vxi11.rs"]
 mod vxi11;
 
@@ -34,6 +40,21 @@ fn replay(target: &str, run: fn(&[u8])) {
         inputs += 1;
     }
     assert!(inputs > 10, "{target}: {inputs} inputs");
+}
+
+#[test]
+fn command_lines() {
+    replay("arguments", arguments::run);
+}
+
+#[test]
+fn scenes_plans_laboratories_and_sweeps() {
+    replay("settings", settings::run);
+}
+
+#[test]
+fn replies_of_a_scope() {
+    replay("reply", reply::run);
 }
 
 #[test]
@@ -107,5 +128,8 @@ fn no_target_is_left_out() {
     });
     let mut names: Vec<String> = names.collect();
     names.sort();
-    assert_eq!(names, ["csv", "hislip", "isf", "mcap", "scpi", "set", "vxi11"]);
+    assert_eq!(
+        names,
+        ["arguments", "csv", "hislip", "isf", "mcap", "reply", "scpi", "set", "settings", "vxi11"]
+    );
 }

@@ -97,12 +97,10 @@ impl<'a> TableKeys<'a, '_> {
     ) -> Result<Option<f64>, RecordingError> {
         let Some((row, cell, text)) = self.find(keys, asked) else { return Ok(None) };
         let row = self.table.row(row);
-        match row.parse(text) {
-            Some(printed) => Ok(Some(printed.value)),
-            None => {
-                let key = row.texts().next().unwrap_or_default();
-                Err(RecordingError::value(row.place(cell), key, excerpt(text), "a number"))
-            }
-        }
+        let printed = row.parse(text).ok_or_else(|| {
+            let key = row.texts().next().unwrap_or_default();
+            RecordingError::value(row.place(cell), key, excerpt(text), "a number")
+        })?;
+        Ok(Some(printed.value))
     }
 }

@@ -74,7 +74,7 @@ pub(super) fn bench(answers: &mut Vec<ClaimResult>) -> Result<(), PaperError> {
     let plain = "from the masses as printed";
     answers.push(ClaimResult::to("cell_mass").plain(plain, cell_mass));
     for striker in ["2.75g", "17.81g"] {
-        let scene = Scene::load(&format!("magnet-{striker}"))?;
+        let scene = Scene::load(format!("magnet-{striker}"))?;
         let mass = scene.chain.bodies().first().map_or(f64::NAN, |body| body.mass);
         let item = format!("striker_{striker}_in_cells");
         answers.push(ClaimResult::to(&item).plain(plain, mass / cell_mass));

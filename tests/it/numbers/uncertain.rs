@@ -322,7 +322,7 @@ fn inputs_of_one_group_vary_together() {
 fn mistakes_in_an_uncertainty_are_told() {
     let folder = tempfile::tempdir().expect("a folder");
     for (text, told) in
-        [("striker.sped = \"1 %\"", "striker.sped"), ("striker.speed = \"1 kg\"", "in m/s")]
+        [("striker.sped = \"1 %\"", "striker.sped"), ("striker.speed = \"1 kg\"", "a speed (m/s)")]
     {
         let file = folder.path().join("short.toml");
         std::fs::write(&file, format!("{SHORT}[uncertainty]\n{text}\n")).expect("a scene");
