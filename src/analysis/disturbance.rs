@@ -146,8 +146,8 @@ impl KnownParts {
         self
     }
 
-    /// Sum of squares that zero, drift and hum of the mains that fits better leave, in squared units
-    /// of the record (unit).
+    /// Sum of squares that zero, drift and hum of the mains that fits better leave, in squared
+    /// units of the record (unit).
     pub fn misfit(&self) -> f64 {
         let Some(whitened) = Whitened::of(self, 0.0, &[]) else { return f64::INFINITY };
         let left = |mains: usize| {
@@ -471,8 +471,8 @@ impl Disturbance {
         Some(records.iter().zip(&whitened).map(one).collect())
     }
 
-    /// Standard deviation that 1/f noise faster than the knots gives the sum of neighbouring samples
-    /// with these `weights` (unit).
+    /// Standard deviation that 1/f noise faster than the knots gives the sum of neighbouring
+    /// samples with these `weights` (unit).
     ///
     /// Its covariance is `a^2 ln(L/distance)` up to the knots' distance `L`.
     pub fn fast_noise(&self, weights: &[f64]) -> f64 {

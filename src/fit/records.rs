@@ -211,7 +211,7 @@ fn record(
     let (baseline, sigma, rounding, quiet_samples) = if let Some(Ok(pulse)) = found {
         let zeros = pulse.baseline.zeros(all.len());
         let Baseline { level, rms, rounding, samples, disturbance, .. } = pulse.baseline;
-        if let Some(disturbance) = &disturbance {
+        if let Some(disturbance) = disturbance.as_ref().filter(|found| found.is_found()) {
             // The offset is a parameter; what varies is taken off.
             all.iter_mut().zip(&zeros).for_each(|(v, zero)| *v -= zero - level);
             modes = disturbance.modes();
