@@ -1,6 +1,8 @@
 //! Calibrates a sensor by the plan and the recordings of a momentum test. Without the name of a
 //! plan, the test is simulated.
 
+#![allow(clippy::disallowed_macros, reason = "an example prints")]
+
 use std::path::PathBuf;
 
 use hertzscope::calibrate::{self, design::Designer};
@@ -10,19 +12,18 @@ use hertzscope::scene::plan;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = tempfile::tempdir()?;
-    let file = match std::env::args().nth(1) {
-        Some(file) => PathBuf::from(file),
-        None => {
-            let designer = Designer::new("pzt-5a-710pf", plan::lab::load(None)?, 1)?;
-            let designs = designer.search(&mut |_| ())?;
-            let test = designer.test(&designs[0])?;
-            for (name, set) in &test.recordings {
-                recording::write(&folder.path().join(name), set)?;
-            }
-            let file = folder.path().join("plan.toml");
-            std::fs::write(&file, &test.plan)?;
-            file
+    let file = if let Some(file) = std::env::args().nth(1) {
+        PathBuf::from(file)
+    } else {
+        let designer = Designer::new("pzt-5a-710pf", plan::lab::load(None)?, 1)?;
+        let designs = designer.search(&mut |_| ())?;
+        let test = designer.test(&designs[0])?;
+        for (name, set) in &test.recordings {
+            recording::write(&folder.path().join(name), set)?;
         }
+        let file = folder.path().join("plan.toml");
+        std::fs::write(&file, &test.plan)?;
+        file
     };
     let report = calibrate::run(&plan::load(&file)?, &TableColumns::default())?;
     let found = &report.result;

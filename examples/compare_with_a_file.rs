@@ -1,6 +1,8 @@
 //! Compares a file of a scope with the simulation of its scene. The file is that of another strike
 //! of the same bench; give the name of your own and of its scene instead.
 
+#![allow(clippy::disallowed_macros, reason = "an example prints")]
+
 use std::path::PathBuf;
 
 use hertzscope::experiment::{Integration, facts};
@@ -12,13 +14,12 @@ use hertzscope::{Scene, run_to_accuracy};
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let folder = tempfile::tempdir()?;
-    let (file, scene) = match arguments.as_slice() {
-        [file, scene] => (PathBuf::from(file), Scene::load(scene)?),
-        _ => {
-            let (file, scene) = (folder.path().join("measured.mcap"), Scene::load("magnet-0.61g")?);
-            recording::write(&file, &simulated(&scene, 2)?)?;
-            (file, scene)
-        }
+    let (file, scene) = if let [file, scene] = arguments.as_slice() {
+        (PathBuf::from(file), Scene::load(scene)?)
+    } else {
+        let (file, scene) = (folder.path().join("measured.mcap"), Scene::load("magnet-0.61g")?);
+        recording::write(&file, &simulated(&scene, 2)?)?;
+        (file, scene)
     };
     let measured = recording::open(&file)?;
     let twin = simulated(&scene, 1)?;

@@ -1,5 +1,7 @@
 //! Fits the striker's speed to a measurement: here the trace of a twin whose striker is 5 % faster.
 
+#![allow(clippy::disallowed_macros, reason = "an example prints")]
+
 use hertzscope::experiment::{Integration, facts};
 use hertzscope::fit::{FitOptions, fit};
 use hertzscope::measurement::compare::ComparedShot;
@@ -24,7 +26,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ComparedShot { name: "measured", set: &measured, shot: &measured.shots[0], scene: None };
     let found = fit((&scene, &knobs), side, &[], &FitOptions::default(), &mut |_| ())?.report;
     let speed = &found.parameters[0];
-    println!("{}: {:.4} ± {:.4} {}", speed.path, speed.value, speed.u, "m/s (k = 1)");
+    println!("{}: {:.4} ± {:.4} m/s (k = 1)", speed.path, speed.value, speed.u);
     println!("stated {stated:.4} m/s, true {:.4} m/s", 1.05 * stated);
     Ok(())
 }

@@ -1,5 +1,7 @@
 //! Makes a recording of a scene with three impacts, and reads it back.
 
+#![allow(clippy::disallowed_macros, reason = "an example prints")]
+
 use hertzscope::experiment::{Integration, facts};
 use hertzscope::recording::{self, TraceSet};
 use hertzscope::{Scene, run_to_accuracy};

@@ -1,5 +1,7 @@
 //! Runs an included scene and reads first peaks, arrivals and speeds.
 
+#![allow(clippy::disallowed_macros, reason = "an example prints")]
+
 use hertzscope::{Scene, run_to_accuracy};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

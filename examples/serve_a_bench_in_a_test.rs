@@ -1,5 +1,7 @@
 //! Serves a bench inside a test: the client under test talks to the scope at a free port.
 
+#![allow(clippy::disallowed_macros, reason = "an example prints")]
+
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::net::{TcpListener, TcpStream};
 

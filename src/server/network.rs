@@ -107,7 +107,7 @@ pub struct Network {
     pub places: Places,
 }
 
-/// The instrument's end of a [`Network`].
+/// The instrument's end of a `Network`.
 pub struct Inbox {
     /// The requests.
     pub requests: mpsc::UnboundedReceiver<Request>,

@@ -116,7 +116,7 @@ fn hidden_numbers_are_recovered_within_their_uncertainty() {
         [sensors.p14]\nparticle = 6\n[sensors.p27]\nparticle = 9\nhost = \"steel_cylinder\"\n\
         [scope]\ntime_base = \"50 us/div\"\nposition = \"200 us\"\n";
     std::fs::write(&file, text).expect("a scene");
-    let mut scene = Adjustable::load(&file.display().to_string()).expect("a scene");
+    let mut scene = Adjustable::load(file.display().to_string()).expect("a scene");
     let paths = ["striker.speed", "materials.ptfe.youngs_modulus", "sensors.p14.sensitivity"];
     let knobs = knobs(&mut scene, &paths);
     let trials = 30;

@@ -180,7 +180,7 @@ fn states_meet_the_goldens_within_their_error() {
         ("magnet_17.81g", 1.0),
         ("gravity_2.75g", 1.0),
     ] {
-        let scene = Scene::load(&name.replace('_', "-")).expect("a shipped scene");
+        let scene = Scene::load(name.replace('_', "-")).expect("a shipped scene");
         let found = states(&scene, &[1e-3, 2e-3]);
         for (state, time) in found.iter().zip(["state_0.001", "state_0.002"]) {
             let golden = &goldens["table_scenes"][name][time];

@@ -12,7 +12,7 @@ fn with(changes: &str) -> Outcome {
     let noise =
         if changes.contains("scope_noise") { "" } else { "[effects]\nscope_noise = false\n" };
     std::fs::write(&file, format!("base = \"magnet-0.61g\"\n{noise}{changes}")).expect("a file");
-    let scene = Scene::load(&file.display().to_string()).expect("a scene");
+    let scene = Scene::load(file.display().to_string()).expect("a scene");
     run(&scene, Integration::Accuracy(1e-6), 1, &mut |_| ()).expect("a run")
 }
 

@@ -25,7 +25,7 @@ pub fn lab(text: &str) -> Lab {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("short.toml");
     std::fs::write(&file, format!("{SHORT}{text}")).expect("a scene");
-    let scene = Adjustable::load(&file.display().to_string()).expect("a scene");
+    let scene = Adjustable::load(file.display().to_string()).expect("a scene");
     Lab { _folder: folder, scene }
 }
 

@@ -94,7 +94,10 @@ fn what_is_no_recording_is_refused_by_name() {
         let error = open(&path(name)).expect_err(name);
         assert!(error.to_string().contains(problem), "{name}: {error}");
         let source = std::error::Error::source(&error);
-        assert_eq!(source.is_some_and(|source| source.is::<std::io::Error>()), problem == io);
+        assert_eq!(
+            source.is_some_and(<dyn std::error::Error>::is::<std::io::Error>),
+            problem == io
+        );
     }
     let error = open(&path("empty.mcap")).expect_err("no recording").to_string();
     assert!(error.contains("empty.mcap") && error.contains("an empty file"), "{error}");

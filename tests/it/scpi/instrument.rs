@@ -13,7 +13,7 @@ fn scene(changes: &str) -> Scene {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("scene.toml");
     std::fs::write(&file, format!("base = \"magnet-0.61g\"\n{changes}")).expect("a file");
-    Scene::load(&file.display().to_string()).expect("a scene")
+    Scene::load(file.display().to_string()).expect("a scene")
 }
 
 /// Signals on the wanted grid, from the trigger's sample on, at channel 1 and the external input.
@@ -479,7 +479,7 @@ fn a_scene_wires_the_external_input() {
     let file = folder.path().join("scene.toml");
     let text = "base = \"magnet-0.61g\"\n[scope.external]\ninput = \"p2\"\n";
     std::fs::write(&file, text).expect("a file");
-    let error = Scene::load(&file.display().to_string()).expect_err("one input a sensor");
+    let error = Scene::load(file.display().to_string()).expect_err("one input a sensor");
     assert!(error.to_string().contains("at the input of CH1"), "{error}");
 }
 

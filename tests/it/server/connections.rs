@@ -53,7 +53,9 @@ fn chatty_connections_give_way() {
     let chatty = connect(&mut network, Protocol::Raw, MAX_CONNECTIONS_OF_PEER);
     for tenths in 0..20 {
         network.wait_until(1.0 + f64::from(tenths) / 10.0);
-        chatty.iter().for_each(|at| network.send(*at, b"\n"));
+        for at in &chatty {
+            network.send(*at, b"\n");
+        }
     }
     let new = network.connect(Protocol::Raw);
     assert!(answers(&mut network, new));

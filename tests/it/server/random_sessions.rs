@@ -232,6 +232,7 @@ const CORE: u32 = 0x0006_07AF;
 const CREATE_LINK: u32 = 10;
 
 /// One client that means no good, of one of twelve kinds.
+#[allow(clippy::too_many_lines, reason = "a few lines for each kind")]
 fn abuse(kind: usize, seed: u64, ports: Ports, goes_on: &dyn Fn() -> bool) {
     let Ports { raw, hislip, vxi11, mapper } = ports;
     let headers = headers();

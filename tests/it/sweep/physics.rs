@@ -13,7 +13,7 @@ const TIGHT: f64 = 1e-9;
 fn reference(text: &str) -> Summary {
     let folder = folder(text);
     let file = folder.path().join("grid.toml");
-    let scene = Scene::load(&file.display().to_string()).expect("a scene");
+    let scene = Scene::load(file.display().to_string()).expect("a scene");
     run(&scene, Integration::Accuracy(TIGHT), 1, &mut |_| ()).expect("a run").summary
 }
 

@@ -335,7 +335,7 @@ fn what_was_seen_is_saved_and_opens_again() {
     assert_eq!(&recording.shots[0].captures, traces);
     let csv = open("traces-CH2.csv").expect("a capture");
     assert_eq!(csv.shots[0].captures[0].waveform.codes, traces[1].waveform.codes);
-    let scene = Scene::load(&file("tuned.toml")).expect("a scene");
+    let scene = Scene::load(file("tuned.toml")).expect("a scene");
     assert_eq!(scene.striker_speed(), Some(0.5));
     let picture = std::fs::read_to_string(file("screen.svg")).expect("a picture");
     assert!(picture.starts_with("<svg") && picture.contains(">Trig'd"), "no picture");
