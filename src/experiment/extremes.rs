@@ -4,7 +4,7 @@
 //! Between the ends of a step an overlap is largest where its closing speed is zero, which is found
 //! on the step's interpolant.
 
-use crate::chain::Chain;
+use crate::chain::{Chain, Contact};
 use crate::motion::{Integrator, Interpolant};
 use crate::numeric::roots::root;
 
@@ -12,6 +12,8 @@ use crate::numeric::roots::root;
 const LOSSY_SAMPLE_TIMES: [f64; 3] = [0.25, 0.5, 0.75];
 /// A force exceeds the larger of those at the ends of its step by less than this factor (1).
 const MAX_RISE_IN_STEP: f64 = 1.5;
+/// The closing speed within a step exceeds those at both ends by less than this factor (1).
+const MAX_SPEED_RISE: f64 = 2.0;
 /// The force of a contact with losses is sampled within a step in which it changes by more than
 /// this share (1).
 const MIN_CHANGE_SHARE: f64 = 1e-3;
@@ -19,66 +21,75 @@ const MIN_CHANGE_SHARE: f64 = 1e-3;
 /// Largest contact forces, and the displacements of the body that a magnet follows.
 #[derive(Debug, Clone)]
 pub struct Extremes {
-    /// Largest force in each contact, static part and losses included (N).
-    pub forces: Vec<f64>,
+    /// Largest change of the overlap of each contact without losses, whose force grows with it (m).
+    changes: Vec<f64>,
+    /// Largest force in each contact with losses, static part and losses included (N).
+    lossy_forces: Vec<f64>,
     /// Least and largest displacement of the body that a magnet follows; zero without one (m).
     pub pulled: [f64; 2],
+    /// Time of the end of the last step (s).
+    time: f64,
     /// Position (m) and velocity (m/s) of each body at the end of the last step.
     ends: Vec<[f64; 2]>,
+    /// The same at the end of the present one.
+    now: Vec<[f64; 2]>,
 }
 
 impl Extremes {
     /// Those of a chain at rest but for these velocities (m/s).
     pub fn new(chain: &Chain, velocities: &[f64]) -> Self {
+        let contacts = chain.contacts();
         Self {
-            forces: chain.contacts().iter().map(|contact| contact.static_force).collect(),
+            changes: vec![0.0; contacts.len()],
+            lossy_forces: contacts.iter().map(|contact| contact.static_force).collect(),
             pulled: [0.0; 2],
+            time: 0.0,
             ends: velocities.iter().map(|velocity| [0.0, *velocity]).collect(),
+            now: Vec::with_capacity(velocities.len()),
         }
+    }
+
+    /// Largest force in each contact of `chain`, static part and losses included (N).
+    pub fn forces(&self, chain: &Chain) -> Vec<f64> {
+        let both = self.changes.iter().zip(&self.lossy_forces);
+        let force = |(contact, (change, lossy)): (&Contact, (&f64, &f64))| match contact.loss {
+            None => contact.static_force + contact.force_change(*change),
+            Some(_) => *lossy,
+        };
+        chain.contacts().iter().zip(both).map(force).collect()
     }
 
     /// Takes in the last step of `integrator`, whose interpolation is prepared.
     pub fn take_step(&mut self, chain: &Chain, integrator: &dyn Integrator) {
-        let now: Vec<[f64; 2]> = (0..self.ends.len()).map(|body| integrator.body(body)).collect();
-        let motion = |body: Option<usize>| {
-            body.filter(|body| *body < now.len()).map(|b| integrator.interpolant(b))
-        };
-        for (j, (contact, largest)) in chain.contacts().iter().zip(&mut self.forces).enumerate() {
+        self.now.clear();
+        self.now.extend((0..self.ends.len()).map(|body| integrator.body(body)));
+        let length = integrator.time() - self.time;
+        self.time = integrator.time();
+        let (mut before_above, mut after_above) = ([0.0; 2], [0.0; 2]);
+        for (j, contact) in chain.contacts().iter().enumerate() {
+            let before_below = self.ends.get(j).copied().unwrap_or_default();
+            let after_below = self.now.get(j).copied().unwrap_or_default();
+            let before = difference(before_above, before_below);
+            let after = difference(after_above, after_below);
+            (before_above, after_above) = (before_below, after_below);
             if contact.stiffness == 0.0 {
                 continue;
             }
-            let [before, after] = [&self.ends, &now].map(|ends| difference(ends, j));
-            let closed = integrator.was_on(j);
-            let force = |[change, closing]: [f64; 2]| {
-                contact.static_force + contact.lossy_force_change(change, closing, closed)
-            };
-            let (start, end) = (force(before), force(after));
-            let at_ends = start.max(end);
-            *largest = largest.max(at_ends);
             let turns = before[1] > 0.0 && after[1] <= 0.0;
-            let is_lossy = contact.loss.is_some();
-            let may_exceed = is_lossy
-                && (start - end).abs() > MIN_CHANGE_SHARE * at_ends
-                && MAX_RISE_IN_STEP * at_ends > *largest;
-            if !(turns || may_exceed) {
+            if contact.loss.is_none() {
+                let largest = &mut self.changes[j];
+                *largest = largest.max(before[0]).max(after[0]);
+                let rise = MAX_SPEED_RISE * (before[1] - after[1]) * length;
+                if turns && before[0].max(after[0]) + rise > *largest {
+                    let at = between(integrator, self.ends.len(), j);
+                    *largest = largest.max(turning(&at, before[1], after[1])[0]);
+                }
                 continue;
             }
-            let [above, below] =
-                [j.checked_sub(1), Some(j)].map(|body| motion(body).unwrap_or(Interpolant::REST));
-            let at = |theta: f64| {
-                let change = above.position(theta) - below.position(theta);
-                [change, above.velocity(theta) - below.velocity(theta)]
-            };
-            if turns {
-                let theta = root(&|theta| at(theta)[1], [0.0, 1.0], [before[1], after[1]]);
-                *largest = largest.max(force(at(theta)));
-            }
-            for theta in LOSSY_SAMPLE_TIMES.into_iter().filter(|_| is_lossy) {
-                *largest = largest.max(force(at(theta)));
-            }
+            self.take_lossy(contact, integrator, j, (before, after), turns);
         }
         if let Some((body, _)) = chain.pull() {
-            let (before, after) = (self.ends[body], now[body]);
+            let (before, after) = (self.ends[body], self.now[body]);
             self.widen(after[0]);
             if before[1] * after[1] < 0.0 {
                 let path = integrator.interpolant(body);
@@ -86,7 +97,38 @@ impl Extremes {
                 self.widen(path.position(root(&|theta| path.velocity(theta), [0.0, 1.0], rates)));
             }
         }
-        self.ends = now;
+        std::mem::swap(&mut self.ends, &mut self.now);
+    }
+
+    /// The largest force of a contact with losses in the step, from its ends and, where it may be
+    /// larger in between, from samples and the turn.
+    fn take_lossy(
+        &mut self,
+        contact: &Contact,
+        integrator: &dyn Integrator,
+        j: usize,
+        (before, after): ([f64; 2], [f64; 2]),
+        turns: bool,
+    ) {
+        let closed = integrator.was_on(j);
+        let force = |[change, closing]: [f64; 2]| {
+            contact.static_force + contact.lossy_force_change(change, closing, closed)
+        };
+        let (start, end) = (force(before), force(after));
+        let at_ends = start.max(end);
+        let largest = &mut self.lossy_forces[j];
+        *largest = largest.max(at_ends);
+        let may_exceed = (start - end).abs() > MIN_CHANGE_SHARE * at_ends
+            && MAX_RISE_IN_STEP * at_ends > *largest;
+        if turns || may_exceed {
+            let at = between(integrator, self.ends.len(), j);
+            if turns {
+                *largest = largest.max(force(turning(&at, before[1], after[1])));
+            }
+            for theta in LOSSY_SAMPLE_TIMES {
+                *largest = largest.max(force(at(theta)));
+            }
+        }
     }
 
     fn widen(&mut self, displacement: f64) {
@@ -95,10 +137,24 @@ impl Extremes {
     }
 }
 
-/// Overlap change of contact `j` (m) and its rate (m/s).
-fn difference(ends: &[[f64; 2]], j: usize) -> [f64; 2] {
-    let of =
-        |body: Option<usize>| body.and_then(|body| ends.get(body)).copied().unwrap_or([0.0; 2]);
-    let (above, below) = (of(j.checked_sub(1)), of(Some(j)));
+/// Overlap change (m) and its rate (m/s) of the contact between two bodies.
+fn difference(above: [f64; 2], below: [f64; 2]) -> [f64; 2] {
     [above[0] - below[0], above[1] - below[1]]
+}
+
+/// The same of contact `j` in a chain of so many `bodies`, at a share of the last step.
+fn between(integrator: &dyn Integrator, bodies: usize, j: usize) -> impl Fn(f64) -> [f64; 2] {
+    let motion = |body: usize| integrator.interpolant(body);
+    let above = j.checked_sub(1).map_or(Interpolant::REST, motion);
+    let below = if j < bodies { motion(j) } else { Interpolant::REST };
+    move |theta| {
+        let at = |path: &Interpolant| [path.position(theta), path.velocity(theta)];
+        difference(at(&above), at(&below))
+    }
+}
+
+/// How contact `j` is at that share where its closing speed, which is first above zero and then not
+/// (m/s), is zero.
+fn turning(at: &dyn Fn(f64) -> [f64; 2], start: f64, end: f64) -> [f64; 2] {
+    at(root(&|theta| at(theta)[1], [0.0, 1.0], [start, end]))
 }

@@ -45,8 +45,9 @@ pub fn notes(
     }
     notes.extend(sensors.iter().filter(|s| s.first_peak.is_none()).map(no_peak));
     if let Some(extremes) = extremes {
-        notes.extend(yielding(&scene.chain, &extremes.forces));
-        notes.extend(deep_overlap(&scene.chain, &extremes.forces));
+        let forces = extremes.forces(&scene.chain);
+        notes.extend(yielding(&scene.chain, &forces));
+        notes.extend(deep_overlap(&scene.chain, &forces));
         notes.extend(beyond_table(&scene.chain, extremes.pulled));
     }
     notes.extend(scene.notes.iter().cloned());
