@@ -32,9 +32,9 @@
 //!
 //! # Units
 //!
-//! All numbers are in SI units; where a name does not tell the unit, its documentation ends with it
-//! in parentheses. Times count from the striker's first contact, those of captures from their
-//! trigger. Particles count from 1 at the top, forces are positive where they compress.
+//! All numbers are in SI units. The documentation of a number ends with its unit in parentheses,
+//! unless its name contains it. Times count from the striker's first contact, those of captures
+//! from their trigger. Particles count from 1 at the top, forces are positive where they compress.
 //! Uncertainties `u` are standard uncertainties (k = 1), `U95` and `expanded` hold for 95 %.
 //!
 //! # Errors

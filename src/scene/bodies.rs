@@ -263,8 +263,8 @@ pub const fn particle_number() -> Key {
     count(1, MAX_PARTICLES as u64)
 }
 
-/// The particle in `node`, the value of `particle`, in a chain of so many particles, 0 if that is
-/// not known.
+/// Number of the particle that the key `particle` names with the value `node`. `particles` is the
+/// length of the chain, 0 if it is not known.
 pub fn particle_in(
     table: &TableReader<'_>,
     node: Option<&Node>,

@@ -1,9 +1,9 @@
 //! TOML text as a tree in which every value has its file, line and column, and paths through it.
 //!
 //! A path is a text of keys joined by dots, `chain.segments.2.repeat`: a number is a place in a
-//! list, counted from 1, and `*` stands for every name. Copies of a tree share what they have in
-//! common: the scenes of a sweep differ in a few values, and copying all others took as long as
-//! simulating their chains.
+//! list, counted from 1, and `*` is any name. Copies of a tree share their equal parts: the scenes
+//! of a sweep differ in a few values, and to copy the others took as long as to simulate the
+//! chains.
 
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
@@ -256,7 +256,7 @@ fn node_of(source: &Rc<Source>, value: &Spanned<DeValue<'_>>) -> Node {
     }
 }
 
-/// Stands for every name in a path.
+/// Part of a path that matches any name.
 pub(super) const ANY: &str = "*";
 
 /// The value at a path.

@@ -162,7 +162,7 @@ pub fn require(kind: &'static str, name: &str) -> Result<(), SceneError> {
     Err(no_instrument(kind, name))
 }
 
-/// The error about a name that is none of the included instruments and no file.
+/// Error for a name that is neither an included instrument nor a file.
 pub(super) fn no_instrument(kind: &'static str, name: &str) -> SceneError {
     let listed = if kind.is_empty() { "scopes" } else { kind };
     let known = data::instrument_names(kind);

@@ -56,9 +56,7 @@ impl Problem {
         }
     }
 
-    /// Says that a problem in the base of the scene `file` may come from changes in `file`:
-    /// the base
-    /// alone may be right.
+    /// Adds that a problem in the base of the scene `file` may come from the changes in `file`.
     pub(super) fn mention_base(&mut self, file: &str) {
         if self.file != file && self.line > 0 {
             let end = if self.expected.is_empty() { &mut self.found } else { &mut self.expected };

@@ -96,7 +96,7 @@ impl Bound {
         }
     }
 
-    /// The bound that `value` breaks, in words to stand behind a dimension.
+    /// The bound that `value` breaks, in words that follow the dimension's name.
     pub(super) fn broken_by(self, value: f64) -> String {
         match self {
             Self::Bench(low, high) if value > 0.0 => Self::Within(low, high).words(),
@@ -105,7 +105,7 @@ impl Bound {
         }
     }
 
-    /// The bound in words, to stand behind a dimension.
+    /// The bound in words, for a message: ` above zero` follows the dimension's name.
     pub(super) fn words(self) -> String {
         match self {
             Self::Any => String::new(),

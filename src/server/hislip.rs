@@ -6,8 +6,8 @@
 //! revision 1.1.
 //!
 //! Limits: synchronised mode alone is offered, as the instrument has one thing to say at a time;
-//! protocol 2.0's encryption is not there, and a client that speaks it is told version 1.0. Locks
-//! bind HiSLIP sessions and VXI-11 links, not raw sockets.
+//! encryption (protocol 2.0) is not supported, so every client gets version 1.0. Locks bind HiSLIP
+//! sessions and VXI-11 links, not raw sockets.
 
 use std::collections::BTreeMap;
 use std::future::pending;
@@ -662,7 +662,7 @@ impl Asynchronous<'_> {
     }
 }
 
-/// Waits for what `waiting` is, which is none afterwards; for ever if it is none.
+/// Result of the future in `waiting`, which is removed; without a future this never ends.
 async fn finished<T>(waiting: &mut Option<Waiting<'_, T>>) -> T {
     let Some(future) = waiting else { return pending().await };
     let result = future.await;

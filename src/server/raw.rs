@@ -29,9 +29,8 @@ struct HttpFilter {
 }
 
 impl HttpFilter {
-    /// Whether the connection begins with an HTTP request: a method, a blank, and what no command
-    /// has as its argument. No command is executed before its line ends, so no part of a request
-    /// is.
+    /// Whether the connection begins with an HTTP request: a method, a space, and an argument that
+    /// no command takes. A command is executed when its line ends, so no part of a request is.
     fn is_http(&mut self, piece: &[u8]) -> bool {
         if self.is_known {
             return false;

@@ -198,7 +198,7 @@ impl Sessions {
         }
     }
 
-    /// Tells a connection that its session waits no longer.
+    /// Notifies a connection when its session has finished waiting.
     fn note_end_of_wait(&mut self, id: u64) {
         let waits = self.is_waiting(id);
         if let Some(entry) = self.entries.get_mut(&id)

@@ -47,8 +47,8 @@ pub fn read(bytes: &[u8], file_name: &str) -> Result<Capture, RecordingError> {
 /// it. What had to be guessed stands in their notes.
 ///
 /// # Errors
-/// As [`read`], and for other dialects [`RecordingError`] when a number is none, the times are not
-/// even, or it cannot be told which column holds what.
+/// As [`read`]; for other dialects also [`RecordingError`] if a cell holds no number, if the times
+/// are not evenly spaced, or if the roles of the columns are unclear.
 pub fn read_all(bytes: &[u8], file_name: &str) -> Result<Vec<Capture>, RecordingError> {
     read_columns(bytes, file_name, &TableColumns::default())
 }
