@@ -8,7 +8,7 @@
 //! a turn of the time base on a stopped scope. Sources: programmer manual 071-1075, `WFMPre`; the
 //! project's fact sheet on the TDS2000 family, sections 2.4 and 2.5.
 
-use crate::quantity::engineering;
+use crate::quantity::{engineering, printable_line};
 use crate::recording::set_file::SetFile;
 use crate::recording::{Capture, InstrumentIdentity, isf};
 use crate::scope::Source;
@@ -65,7 +65,8 @@ impl Record<'_> {
                 notes.push(format!("WFID says {one} coupling, SET? says {other}"));
             }
         }
-        capture.notes.extend(notes);
+        // They quote the scope.
+        capture.notes.extend(notes.iter().map(|note| printable_line(note).into_owned()));
         capture.instrument = Some(instrument.clone());
         Ok(capture)
     }
@@ -142,7 +143,7 @@ impl Record<'_> {
         let of_key = |field: &str| {
             let (header, value) = field.split_once(' ')?;
             let word = header.rsplit(':').next().unwrap_or_default();
-            word.eq_ignore_ascii_case(key).then(|| value.trim_matches('"').to_owned())
+            word.eq_ignore_ascii_case(key).then(|| value.trim().trim_matches('"').to_owned())
         };
         fields.filter_map(of_key).last()
     }
