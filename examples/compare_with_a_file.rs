@@ -37,10 +37,5 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// Shot `number` of a scene.
 fn simulated(scene: &Scene, number: u32) -> Result<TraceSet, Box<dyn std::error::Error>> {
     let outcome = run_to_accuracy(scene, scene.accuracy, number, &mut |_| ())?;
-    Ok(TraceSet {
-        metadata: facts::facts(scene, Integration::Accuracy(scene.accuracy))?,
-        attachments: facts::scene_attachments(scene),
-        shots: vec![outcome.shot],
-        ..TraceSet::default()
-    })
+    Ok(facts::recording(scene, Integration::Accuracy(scene.accuracy), [outcome])?)
 }

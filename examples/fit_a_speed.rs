@@ -5,7 +5,6 @@
 use hertzscope::experiment::{Integration, facts};
 use hertzscope::fit::{FitOptions, fit};
 use hertzscope::measurement::compare::ComparedShot;
-use hertzscope::recording::TraceSet;
 use hertzscope::run_to_accuracy;
 use hertzscope::scene::adjust::Adjustable;
 
@@ -16,11 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let faster = scene.with(&[(&knobs[0], 1.05 * stated)])?;
     let outcome = run_to_accuracy(&faster, faster.accuracy, 1, &mut |_| ())?;
-    let measured = TraceSet {
-        metadata: facts::facts(&faster, Integration::Accuracy(faster.accuracy))?,
-        shots: vec![outcome.shot],
-        ..TraceSet::default()
-    };
+    let measured = facts::recording(&faster, Integration::Accuracy(faster.accuracy), [outcome])?;
 
     let side =
         ComparedShot { name: "measured", set: &measured, shot: &measured.shots[0], scene: None };

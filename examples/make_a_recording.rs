@@ -3,21 +3,15 @@
 #![allow(clippy::disallowed_macros, reason = "an example prints")]
 
 use hertzscope::experiment::{Integration, facts};
-use hertzscope::recording::{self, TraceSet};
+use hertzscope::recording;
 use hertzscope::{Scene, run_to_accuracy};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scene = Scene::load("magnet-0.61g")?;
-    let mut set = TraceSet {
-        metadata: facts::facts(&scene, Integration::Accuracy(scene.accuracy))?,
-        attachments: facts::scene_attachments(&scene),
-        ..TraceSet::default()
-    };
-    for number in 1..=3 {
-        let outcome = run_to_accuracy(&scene, scene.accuracy, number, &mut |_| ())?;
-        set.notes.insert(number, facts::shot_notes(&scene, &outcome));
-        set.shots.push(outcome.shot);
-    }
+    let impacts: Result<Vec<_>, _> = (1..=3)
+        .map(|number| run_to_accuracy(&scene, scene.accuracy, number, &mut |_| ()))
+        .collect();
+    let set = facts::recording(&scene, Integration::Accuracy(scene.accuracy), impacts?)?;
     let folder = tempfile::tempdir()?;
     let file = folder.path().join("three.mcap");
     recording::write(&file, &set)?;

@@ -192,11 +192,10 @@ impl Simulation {
         }
         let scene = Scene::load(&arguments.simulated)?;
         let integration = Integration::Accuracy(scene.accuracy);
-        let metadata = facts::facts(&scene, integration)?;
         let mut progress = JobProgress::new(&scene.name, arguments.quiet);
         let outcome = experiment::run(&scene, integration, 1, &mut |share| progress.at(share));
         progress.done();
-        let set = TraceSet { shots: vec![outcome?.shot], metadata, ..TraceSet::default() };
+        let set = facts::recording(&scene, integration, [outcome?])?;
         Ok(Self { set, shot: 1, scene: Some(scene) })
     }
 }

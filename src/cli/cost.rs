@@ -11,7 +11,7 @@ use crate::experiment::accuracy::run_to_accuracy;
 use crate::experiment::auto_effects::resolve_auto_effects;
 use crate::experiment::{Integration, facts};
 use crate::recording::Attachment;
-use crate::recording::mcap::RecordingWriter;
+use crate::recording::mcap;
 use crate::report::{self, WorkMeasure};
 use crate::scene::Scene;
 use crate::studies::cost::{CostStudy, TIMED_RUNS, study};
@@ -82,11 +82,7 @@ fn record(file: &Path, scene: &Scene, study: &CostStudy) -> anyhow::Result<()> {
         media_type: "application/json".to_owned(),
         data: serde_json::to_vec_pretty(study)?,
     };
-    let attachments: Vec<Attachment> =
-        facts::scene_attachments(&scene).into_iter().chain([study]).collect();
-    let known = facts::facts(&scene, integration)?;
-    let mut writer = RecordingWriter::create(file, &known, &attachments)?;
-    writer.add(&outcome.shot, &facts::shot_notes(&scene, &outcome))?;
-    writer.finish()?;
-    Ok(())
+    let mut set = facts::recording(&scene, integration, [outcome])?;
+    set.attachments.push(study);
+    Ok(mcap::write(file, &set)?)
 }

@@ -6,12 +6,12 @@ use serde::Serialize;
 
 use crate::data;
 use crate::experiment::ensemble::{Case, Ensemble, Readout, places};
-use crate::experiment::facts::facts;
+use crate::experiment::facts::recording;
 use crate::experiment::pulse::{Peak, PulseRecorder};
 use crate::experiment::{Integration, run};
 use crate::motion::kernel::InstructionSet;
 use crate::recording::mcap;
-use crate::recording::{Shot, TraceSet};
+use crate::recording::Shot;
 use crate::scene::Scene;
 
 /// The scene that is run.
@@ -110,16 +110,15 @@ fn round_trip(scene: &Scene) -> Result<(u64, bool), String> {
     let outcome = run(scene, integration, 1, &mut |_| ()).map_err(|error| error.to_string())?;
     let name = format!("hertzscope-doctor-{}.mcap", std::process::id());
     let file = std::env::temp_dir().join(name);
-    let metadata = facts(scene, integration).map_err(|error| error.to_string())?;
-    let set = TraceSet { shots: vec![outcome.shot.clone()], metadata, ..TraceSet::default() };
+    let set = recording(scene, integration, [outcome]).map_err(|error| error.to_string())?;
     let read = mcap::write(&file, &set).map_err(|error| error.to_string()).and_then(|()| {
         let bytes = std::fs::metadata(&file).map_or(0, |file| file.len());
         let read = mcap::read(&file).map_err(|error| error.to_string())?;
         let waveforms = |shot: &Shot| {
             shot.captures.iter().map(|capture| capture.waveform.clone()).collect::<Vec<_>>()
         };
-        let same = read.shots.first().map(waveforms) == Some(waveforms(&outcome.shot));
-        Ok((bytes, same && !outcome.shot.captures.is_empty()))
+        let same = read.shots.first().map(waveforms) == Some(waveforms(&set.shots[0]));
+        Ok((bytes, same && !set.shots[0].captures.is_empty()))
     });
     // The trial's files are of no further use.
     let _ = std::fs::remove_file(&file);

@@ -9,7 +9,7 @@ use super::picture;
 use super::progress::JobProgress;
 use crate::experiment::facts;
 use crate::files::{self, NewFolder};
-use crate::recording::mcap::RecordingWriter;
+use crate::recording::mcap;
 use crate::report;
 use crate::report::page::{html, markdown};
 use crate::report::plot::{Theme, svg};
@@ -89,10 +89,6 @@ fn write(folder: &NewFolder, study: &PaperStudy) -> anyhow::Result<()> {
 }
 
 fn record(file: &Path, run: &FigureRun) -> anyhow::Result<()> {
-    let known = facts::facts(&run.scene, run.integration)?;
-    let attachments = facts::scene_attachments(&run.scene);
-    let mut writer = RecordingWriter::create(file, &known, &attachments)?;
-    writer.add(&run.outcome.shot, &facts::shot_notes(&run.scene, &run.outcome))?;
-    writer.finish()?;
-    Ok(())
+    let set = facts::recording(&run.scene, run.integration, [run.outcome.clone()])?;
+    Ok(mcap::write(file, &set)?)
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::outcome::EnergyLedger;
 use super::outcome::effects;
 use super::{Integration, Outcome, RunError, method};
-use crate::recording::Attachment;
+use crate::recording::{Attachment, TraceSet};
 use crate::recording::mcap::ShotNotes;
 use crate::recording::mcap::message::EnergyMessage;
 use crate::scene::{PlacedSensor, Scene, Site, gain_u, input_load};
@@ -158,6 +158,29 @@ pub fn scene_attachments(scene: &Scene) -> Vec<Attachment> {
     };
     let merged = scene.texts.merged().map(|text| attachment(MERGED, text));
     std::iter::once(attachment(".toml", &scene.text)).chain(merged).collect()
+}
+
+/// The recording of a scene's impacts: their shots with everything that is known about them.
+///
+/// # Errors
+/// As [`facts`].
+pub fn recording(
+    scene: &Scene,
+    integration: Integration,
+    outcomes: impl IntoIterator<Item = Outcome>,
+) -> Result<TraceSet, RunError> {
+    let mut set = TraceSet {
+        metadata: facts(scene, integration)?,
+        attachments: scene_attachments(scene),
+        ..TraceSet::default()
+    };
+    for outcome in outcomes {
+        let notes = shot_notes(scene, &outcome);
+        set.log.extend(notes.log.iter().map(|(_, line)| line.clone()));
+        set.notes.insert(outcome.shot.number, notes);
+        set.shots.push(outcome.shot);
+    }
+    Ok(set)
 }
 
 /// Records of a shot beside its traces.

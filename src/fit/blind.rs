@@ -9,7 +9,6 @@ use super::{FitError, FitOptions, FitReport, fit};
 use crate::experiment::{Integration, RunError, facts, run};
 use crate::measurement::compare::ComparedShot;
 use crate::numeric::statistics::Coverage;
-use crate::recording::TraceSet;
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
 
 /// Stream of what is hidden.
@@ -156,9 +155,8 @@ fn one(
     let mut hiding = scene.with(truth).map_err(FitError::from)?;
     hiding.seed = options.seed.wrapping_add(u64::from(trial));
     let integration = Integration::Accuracy(hiding.accuracy);
-    let shot = run(&hiding, integration, 1, &mut |_| ())?.shot;
-    let metadata = facts::facts(&hiding, integration)?;
-    let set = TraceSet { shots: vec![shot], metadata, ..TraceSet::default() };
+    let outcome = run(&hiding, integration, 1, &mut |_| ())?;
+    let set = facts::recording(&hiding, integration, [outcome])?;
     let side = ComparedShot { name: "blind trial", set: &set, shot: &set.shots[0], scene: None };
     let once = FitOptions { starts: 1, ..*options };
     Ok(fit((scene, knobs), side, &[], &once, &mut |_| ()).map(|fit| fit.report))

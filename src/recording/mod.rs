@@ -142,3 +142,16 @@ pub struct TraceSet {
     /// Problems: parts that the reader skipped; empty for a sound file.
     pub problems: Vec<String>,
 }
+
+impl TraceSet {
+    /// A set with `shot` alone, and what this one knows of its bench: metadata and attachments.
+    #[must_use]
+    pub fn with_shot(&self, shot: Shot) -> Self {
+        Self {
+            shots: vec![shot],
+            metadata: self.metadata.clone(),
+            attachments: self.attachments.clone(),
+            ..Self::default()
+        }
+    }
+}

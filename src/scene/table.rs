@@ -272,9 +272,13 @@ pub(super) fn key_at(keys: Keys, path: &[&str]) -> Option<&'static Key> {
     let (first, rest) = path.split_first()?;
     let named = |key: &&Key| *first == ANY || key.name == *first;
     let mut named = keys.iter().flat_map(|keys| keys.iter()).filter(named);
-    named.find_map(|key| match (key.kind, rest) {
-        (_, []) => Some(key),
-        (Kind::Tables(_) | Kind::List(_), [_, rest @ ..]) | (_, rest) => key_at(key.below(), rest),
+    named.find_map(|key| {
+        let below = match key.kind {
+            _ if rest.is_empty() => return Some(key),
+            Kind::Tables(_) | Kind::List(_) => &rest[1..],
+            _ => rest,
+        };
+        key_at(key.below(), below)
     })
 }
 

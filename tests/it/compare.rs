@@ -20,9 +20,8 @@ fn hertzscope(arguments: &[&str]) -> Command {
 
 fn recorded(scene: &Scene) -> TraceSet {
     let integration = Integration::Accuracy(scene.accuracy);
-    let shot = run(scene, integration, 1, &mut |_| ()).expect("a run").shot;
-    let metadata = facts::facts(scene, integration).expect("facts");
-    TraceSet { shots: vec![shot], metadata, ..TraceSet::default() }
+    let outcome = run(scene, integration, 1, &mut |_| ()).expect("a run");
+    facts::recording(scene, integration, [outcome]).expect("facts")
 }
 
 fn side<'a>(scene: &'a Scene, set: &'a TraceSet) -> ComparedShot<'a> {

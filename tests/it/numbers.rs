@@ -26,10 +26,8 @@ fn scene(base: &str, text: &str) -> Scene {
 /// What the bench keeps of one shot, its scene along.
 fn recorded(scene: &Scene, accuracy: f64) -> TraceSet {
     let integration = Integration::Accuracy(accuracy);
-    let shot = run(scene, integration, 1, &mut |_| ()).expect("a run").shot;
-    let metadata = facts::facts(scene, integration).expect("facts");
-    let attachments = facts::scene_attachments(scene);
-    TraceSet { shots: vec![shot], metadata, attachments, ..TraceSet::default() }
+    let outcome = run(scene, integration, 1, &mut |_| ()).expect("a run");
+    facts::recording(scene, integration, [outcome]).expect("facts")
 }
 
 fn surveyed(set: &TraceSet) -> Survey {

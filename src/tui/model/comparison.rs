@@ -46,10 +46,7 @@ impl LoadedSide {
         let scene = Scene::load(name).map_err(|error| with_reasons(&error))?;
         let integration = Integration::Accuracy(scene.accuracy);
         let outcome = run(&scene, integration, 1, &mut |_| ()).map_err(|e| with_reasons(&e))?;
-        let metadata = facts::facts(&scene, integration).map_err(|error| with_reasons(&error))?;
-        let attachments = facts::scene_attachments(&scene);
-        let set =
-            TraceSet { shots: vec![outcome.shot], metadata, attachments, ..TraceSet::default() };
+        let set = facts::recording(&scene, integration, [outcome]).map_err(|e| with_reasons(&e))?;
         let is_uncertain = !scene.uncertainty.is_empty();
         Ok(Self { name: name.to_owned(), set, is_uncertain, predicted: None })
     }

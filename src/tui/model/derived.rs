@@ -6,7 +6,7 @@ use super::state::{Derived, DerivedKey, MeasurementReading, SidePanel, ordinate_
 use crate::instrument::measure::{measure, unit};
 use crate::measurement::arrivals::{Survey, survey};
 use crate::measurement::metadata::{self, RecordedSensor};
-use crate::recording::{Shot, TraceSet};
+use crate::recording::Shot;
 use crate::scope::panel::MeasurementType;
 use crate::scope::{Source, Waveform};
 use crate::tui::job::{Job, Queue};
@@ -93,13 +93,7 @@ impl ScreenState {
     /// The survey of arrivals and speeds of the shot, for a thread.
     pub(super) fn survey_job(&self) -> Option<impl FnOnce() -> Survey + Send + 'static> {
         let shot = Shot { truth: Vec::new(), ..self.shot()?.clone() };
-        let set = &self.recordings.front().set;
-        let set = TraceSet {
-            metadata: set.metadata.clone(),
-            attachments: set.attachments.clone(),
-            shots: vec![shot.clone()],
-            ..TraceSet::default()
-        };
+        let set = self.recordings.front().set.with_shot(shot.clone());
         Some(move || survey(&set, &shot))
     }
 }

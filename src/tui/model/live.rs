@@ -6,7 +6,6 @@ use super::state::{RunState, ordinate_unit};
 use crate::experiment::auto_effects::resolve_auto_effects;
 use crate::experiment::{Integration, facts, run};
 use crate::predict::{SampleOptions, TraceBand, trace_bands};
-use crate::recording::TraceSet;
 use crate::scene::Scene;
 use crate::scene::adjust::Adjustable;
 use crate::scope::Waveform;
@@ -231,16 +230,7 @@ fn struck(title: &str, text: &str, shot: u32) -> Result<StrikeResult, String> {
     let integration = Integration::Accuracy(scene.accuracy);
     let scene = resolve_auto_effects(&scene, integration).into_owned();
     let outcome = run(&scene, integration, shot, &mut |_| ()).map_err(|e| told(&e))?;
-    let metadata = facts::facts(&scene, integration).map_err(|error| told(&error))?;
-    let notes = facts::shot_notes(&scene, &outcome);
-    let log = notes.log.iter().map(|(_, line)| line.clone()).collect();
-    let set = TraceSet {
-        metadata,
-        attachments: facts::scene_attachments(&scene),
-        log,
-        notes: std::iter::once((shot, notes)).collect(),
-        shots: vec![outcome.shot],
-        ..TraceSet::default()
-    };
-    Ok(StrikeResult { scene, set, summary: outcome.summary })
+    let summary = outcome.summary.clone();
+    let set = facts::recording(&scene, integration, [outcome]).map_err(|error| told(&error))?;
+    Ok(StrikeResult { scene, set, summary })
 }

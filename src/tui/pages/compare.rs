@@ -12,7 +12,6 @@ use ratatui::widgets::Paragraph;
 use crate::measurement::compare::{ChannelScore, Compared};
 use crate::numeric::intervals::NORMAL_95;
 use crate::quantity::Uncertain;
-use crate::recording::TraceSet;
 use crate::scope::Source;
 use crate::trace::Trace;
 use crate::tui::job::{Job, JobState, Queue, guarded};
@@ -76,12 +75,7 @@ impl ScreenState {
     pub(in crate::tui) fn compare_again(&mut self) {
         let (Some(other), Some(shot)) = (self.compared_with.clone(), self.shot()) else { return };
         let front = self.recordings.front();
-        let set = TraceSet {
-            shots: vec![shot.clone()],
-            metadata: front.set.metadata.clone(),
-            attachments: front.set.attachments.clone(),
-            ..TraceSet::default()
-        };
+        let set = front.set.with_shot(shot.clone());
         let is_bench = front.live.as_ref().is_some_and(|live| live.served.is_none());
         let shown = ShownSide { name: front.title.clone(), set, is_bench };
         let side = Arc::clone(&self.other_side);

@@ -57,13 +57,11 @@ fn recording(model: &ScreenState, file: PathBuf) -> Result<Job<ScreenState>, Str
     let shot = model.shot().ok_or("there is no shot to write")?;
     let set = &model.recordings.front().set;
     let set = TraceSet {
-        shots: vec![shot.clone()],
-        metadata: set.metadata.clone(),
-        attachments: set.attachments.clone(),
         log: set.log.clone(),
         problems: set.problems.clone(),
         notes: set.notes.clone(),
         lines: set.lines.clone(),
+        ..set.with_shot(shot.clone())
     };
     let number = shot.number;
     writing(move || {

@@ -6,7 +6,6 @@ use hertzscope::analysis::pulse::{Conditions, Pulse};
 use hertzscope::experiment::outcome::Reading;
 use hertzscope::experiment::{Integration, Outcome, facts, run};
 use hertzscope::measurement::arrivals::survey;
-use hertzscope::recording::TraceSet;
 use hertzscope::scene::{Scene, input_load};
 
 /// Runs of each scene, each with a seed of its own: other noise, another phase of the sample clock.
@@ -117,9 +116,8 @@ fn a_record_that_begins_behind_the_pulse_says_so() {
         "base = \"magnet-0.61g\"\n[scope]\ntime_base = \"100 us/div\"\nposition = \"1 ms\"\n";
     let scene = Scene::from_text("late", "late.toml", text).expect("a scene");
     let integration = Integration::Accuracy(1e-4);
-    let shot = run(&scene, integration, 1, &mut |_| ()).expect("a run").shot;
-    let metadata = facts::facts(&scene, integration).expect("facts");
-    let set = TraceSet { shots: vec![shot], metadata, ..TraceSet::default() };
+    let outcome = run(&scene, integration, 1, &mut |_| ()).expect("a run");
+    let set = facts::recording(&scene, integration, [outcome]).expect("facts");
     let found = survey(&set, &set.shots[0]);
     let second = &found.channels[1];
     assert_eq!(second.channel, "CH2");

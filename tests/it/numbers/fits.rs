@@ -5,7 +5,6 @@ use assert_cmd::Command;
 use hertzscope::experiment::{Integration, facts, run};
 use hertzscope::fit::{Fit, FitOptions, fit};
 use hertzscope::measurement::compare::ComparedShot;
-use hertzscope::recording::TraceSet;
 use hertzscope::scene::adjust::Adjustable;
 use std::fmt::Write as _;
 
@@ -36,9 +35,8 @@ impl Lab {
         let mut bench = self.scene.scene().expect("a scene");
         bench.seed = seed;
         let integration = Integration::Accuracy(1e-6);
-        let shot = run(&bench, integration, 1, &mut |_| ()).expect("a run").shot;
-        let metadata = facts::facts(&bench, integration).expect("facts");
-        let set = TraceSet { shots: vec![shot], metadata, ..TraceSet::default() };
+        let outcome = run(&bench, integration, 1, &mut |_| ()).expect("a run");
+        let set = facts::recording(&bench, integration, [outcome]).expect("facts");
         let side = ComparedShot { name: "bench", set: &set, shot: &set.shots[0], scene: None };
         let options = FitOptions { starts: 1, accuracy: 1e-6, ..FitOptions::default() };
         fit((&self.scene, &knobs), side, &[], &options, &mut |_| ()).expect("a fit")
