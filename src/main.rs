@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    hertzscope::cli::main()
+    ExitCode::from(hertzscope::cli::main(std::env::args_os()))
 }

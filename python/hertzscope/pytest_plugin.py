@@ -4,7 +4,7 @@ import contextlib
 
 import pytest
 
-from . import Bench
+from .bench import Bench
 
 
 def pytest_configure(config):

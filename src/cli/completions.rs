@@ -1,7 +1,7 @@
 //! `hertzscope completions`: what the shell offers when Tab is pressed. The script asks the program
 //! itself, which knows its scenes.
 
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -45,8 +45,14 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 /// Answers the script and ends the program, if it was the script that called.
-pub fn answer(command: impl Fn() -> clap::Command) {
-    CompleteEnv::with_factory(|| completing(command())).var(VARIABLE).complete();
+pub fn answer(command: impl Fn() -> clap::Command, words: &[OsString]) {
+    let asked = CompleteEnv::with_factory(|| completing(command())).var(VARIABLE);
+    let folder = std::env::current_dir().ok();
+    match asked.try_complete(words.iter().cloned(), folder.as_deref()) {
+        Ok(false) => (),
+        Ok(true) => std::process::exit(0),
+        Err(error) => error.exit(),
+    }
 }
 
 /// `command`, with what its arguments may be.

@@ -10,8 +10,8 @@ use crate::experiment::facts::recording;
 use crate::experiment::pulse::{Peak, PulseRecorder};
 use crate::experiment::{Integration, run};
 use crate::motion::kernel::InstructionSet;
-use crate::recording::mcap;
 use crate::recording::Shot;
+use crate::recording::mcap;
 use crate::scene::Scene;
 
 /// The scene that is run.

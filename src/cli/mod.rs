@@ -14,19 +14,24 @@ mod saved;
 mod signal;
 mod value;
 
+use std::ffi::OsString;
 use std::fmt::Write as _;
 use std::io::Write as _;
-use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 use crate::motion::kernel::InstructionSet;
+pub use output::CommandAnswer;
 use output::{
     AnswerIsNo, is_broken_pipe, is_coloured, print, print_as_it_is, print_toml, say, show,
 };
 
 /// Exit code of what could not be done; clap uses the same for wrong options.
 const EXIT_FAILURE: u8 = 2;
+/// Exit code of what was done, with the answer no.
+const EXIT_ANSWER_NO: u8 = 1;
 
 /// Digital twin of a granular-chain lab bench: simulates the chain, its sensors and the
 /// oscilloscope, and analyses measured traces.
@@ -190,11 +195,25 @@ pub fn parse<'a>(words: impl IntoIterator<Item = &'a str>) -> Result<(), String>
     parsed.map(|_| ()).map_err(|refused| refused.to_string())
 }
 
-/// Runs the program on the process's own arguments.
-pub fn main() -> ExitCode {
+/// Runs the program on `words`, its own name first; returns its exit code.
+pub fn main(words: impl IntoIterator<Item = OsString>) -> u8 {
+    let words: Vec<OsString> = words.into_iter().collect();
     let _ = output::COMMAND_LINE.set(command_line);
-    completions::answer(command_line);
-    let parsed = command_line().try_get_matches();
+    completions::answer(command_line, &words);
+    run(&words)
+}
+
+/// Runs a command within another program: what it would print and say is the answer.
+///
+/// `stop` ends it before it is done; then there is no answer.
+pub fn answer(words: &[OsString], stop: &Arc<AtomicBool>) -> Option<CommandAnswer> {
+    let _ = output::COMMAND_LINE.set(command_line);
+    output::captured(stop, || run(words))
+}
+
+/// The command's exit code.
+fn run(words: &[OsString]) -> u8 {
+    let parsed = command_line().try_get_matches_from(words);
     let command = match parsed.and_then(|matches| Arguments::from_arg_matches(&matches)) {
         Ok(arguments) => arguments.command,
         Err(stop) => return help_or_refusal(&stop),
@@ -202,28 +221,32 @@ pub fn main() -> ExitCode {
     survive_file_limit();
     if let Err(reason) = InstructionSet::chosen() {
         say(&format!("error: {reason}"));
-        return ExitCode::from(EXIT_FAILURE);
+        return EXIT_FAILURE;
     }
     match command.run() {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         // `head` closes the pipe once it has its lines: not an error.
-        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
-        Err(error) if error.is::<AnswerIsNo>() => ExitCode::FAILURE,
+        Err(error) if is_broken_pipe(&error) => 0,
+        Err(error) if error.is::<AnswerIsNo>() => EXIT_ANSWER_NO,
         Err(error) => {
             say(&format!("error: {}", without_numbers(&format!("{error:#}"))));
-            ExitCode::from(EXIT_FAILURE)
+            EXIT_FAILURE
         }
     }
 }
 
 /// Prints the help or version that was asked for, or why the arguments are wrong.
-fn help_or_refusal(stop: &clap::Error) -> ExitCode {
+fn help_or_refusal(stop: &clap::Error) -> u8 {
+    if output::is_captured() {
+        say(stop.to_string().trim_end());
+        return u8::try_from(stop.exit_code()).unwrap_or(EXIT_FAILURE);
+    }
     match stop.print().and_then(|()| std::io::stdout().flush()) {
         Err(error) if !stop.use_stderr() && error.kind() != std::io::ErrorKind::BrokenPipe => {
             say(&format!("error: {}", without_numbers(&error.to_string())));
-            ExitCode::from(EXIT_FAILURE)
+            EXIT_FAILURE
         }
-        _ => ExitCode::from(u8::try_from(stop.exit_code()).unwrap_or(EXIT_FAILURE)),
+        _ => u8::try_from(stop.exit_code()).unwrap_or(EXIT_FAILURE),
     }
 }
 

@@ -1,9 +1,12 @@
 //! A progress bar on standard error for whatever takes longer than a second.
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use super::output::{stop_flag, stop_if_asked};
 use crate::quantity::printable_line;
 
 /// How long something may take without a bar.
@@ -19,6 +22,8 @@ pub struct JobProgress {
     what: String,
     /// Share that was done before it began (1).
     before: f64,
+    /// What ends the command within another program.
+    stop: Option<Arc<AtomicBool>>,
 }
 
 impl JobProgress {
@@ -30,11 +35,12 @@ impl JobProgress {
     /// The same of a job of which the share `before` was done earlier (1).
     pub fn resumed(what: &str, quiet: bool, before: f64) -> Self {
         let what = printable_line(what).into_owned();
-        Self { started: Instant::now(), bar: None, quiet, what, before }
+        Self { started: Instant::now(), bar: None, quiet, what, before, stop: stop_flag() }
     }
 
     /// Shows that `share` of the work is done, 0 to 1.
     pub fn at(&mut self, share: f64) {
+        stop_if_asked(self.stop.as_ref());
         if self.quiet || (self.bar.is_none() && self.started.elapsed() < BAR_DELAY) {
             return;
         }

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use anyhow::Context as _;
@@ -12,6 +12,7 @@ use clap::Args;
 
 use super::accuracy::accuracy;
 use super::gather::gathered;
+use super::output::is_captured;
 use super::overwrite::OverwriteArguments;
 use super::progress::JobProgress;
 use crate::experiment::parallel::processors;
@@ -179,6 +180,10 @@ impl SharedProgress {
     /// Has Ctrl-C end the program with a sentence on what is kept. Runs are in the `log` before
     /// they count as done.
     fn tell_when_interrupted(&self, log: String) {
+        // Within another program, signals are that program's.
+        if is_captured() {
+            return;
+        }
         #[cfg(unix)]
         if let Ok(mut signals) = signal_hook::iterator::Signals::new([
             signal_hook::consts::SIGINT,
@@ -198,9 +203,8 @@ impl SharedProgress {
 
     fn more(&self, more: u64) {
         let done = self.done.fetch_add(more, Ordering::Relaxed) + more;
-        if let Ok(mut bar) = self.bar.lock() {
-            bar.at(done as f64 / self.all as f64);
-        }
+        let mut bar = self.bar.lock().unwrap_or_else(PoisonError::into_inner);
+        bar.at(done as f64 / self.all as f64);
     }
 
     fn done(self) {

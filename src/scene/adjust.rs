@@ -19,7 +19,7 @@ use super::problems::Problems;
 use super::root::RootKeys;
 use super::table::TableReader;
 use super::table::{Kind, key_at};
-use super::{Scene, Site, input_load};
+use super::{Scene, Site, input_load, with_merged};
 use crate::data;
 use crate::quantity::{self, Difference, Dimension, Quantity};
 use crate::sensor::Load;
@@ -158,15 +158,18 @@ impl Adjustable {
 
     /// The scene of another tree.
     fn with_tree(&self, root: Node) -> Result<Scene, SceneError> {
+        Scene::checked(self.loaded_with(root), self.panel.as_ref())
+    }
+
+    fn loaded_with(&self, root: Node) -> LoadedScene {
         let LoadedScene { name, text, texts, problems, .. } = &self.loaded;
-        let loaded = LoadedScene {
+        LoadedScene {
             name: name.clone(),
             text: text.clone(),
             texts: texts.clone(),
             root,
             problems: problems.clone(),
-        };
-        Scene::checked(loaded, self.panel.as_ref())
+        }
     }
 
     /// The knobs that `path` names; `*` stands for every name.
@@ -326,6 +329,31 @@ impl Adjustable {
             return Err(AdjustError::Nothing { path: path.to_owned(), known });
         }
         Ok(found.into_iter().map(|(path, _)| path).collect())
+    }
+
+    /// The scene with other values: paths as for [`paths`](Self::paths), each value as TOML has
+    /// it, `"0.5 m/s"` with its quotes. `file` is the name of what they come from.
+    ///
+    /// # Errors
+    /// [`AdjustError`] with everything that is wrong.
+    pub fn overridden(
+        &mut self,
+        file: &str,
+        values: &[(String, String)],
+    ) -> Result<Scene, AdjustError> {
+        let paths: Result<Vec<_>, _> = values.iter().map(|(path, _)| self.paths(path)).collect();
+        let mut root = self.loaded.root.clone();
+        for (paths, (_, value)) in paths?.iter().zip(values) {
+            let given = Node::parse(file, &format!("value = {value}"));
+            let given = given.map_err(SceneError::Problems)?;
+            let Some(node) = at(&given, &["value"]) else { continue };
+            for path in paths {
+                let keys: Vec<&str> = path.split('.').collect();
+                change(&mut root, &keys, node.clone()).map_err(SceneError::Problems)?;
+            }
+        }
+        // Few are made this way: each carries its merged scene into recordings.
+        Ok(Scene::checked(with_merged(self.loaded_with(root)), self.panel.as_ref())?)
     }
 
     /// The scene with `settings` and this seed.
