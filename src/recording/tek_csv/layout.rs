@@ -164,16 +164,6 @@ impl Domain {
             Self::Frequency => 1024,
         }
     }
-
-    /// How far a printed ordinate may lie from its level (V; dB for an FFT): half the last digit,
-    /// and for decibels as much again because the printed `Yzero` is itself rounded.
-    pub(super) fn ordinate_tolerance(self, ordinate: f64) -> f64 {
-        let digits = match self {
-            Self::Time => 0.5,
-            Self::Frequency => 1.0,
-        };
-        digits * ORDINATE_DIGIT * (1.0 + 1e-6) + 4.0 * f64::EPSILON * ordinate.abs()
-    }
 }
 
 /// The numbers of a header.
