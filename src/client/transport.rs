@@ -1,5 +1,6 @@
 //! The lines on which bytes go to an instrument and come back: a raw TCP socket, RS-232, and GPIB
-//! behind a Prologix GPIB-to-Ethernet adapter.
+//! behind a Prologix GPIB-to-Ethernet adapter; those with messages of their own are in `hislip_line`,
+//! `vxi11_line` and `usbtmc`.
 //!
 //! A transport moves bytes and knows nothing of messages but their frame. No call waits longer than
 //! [`POLL_INTERVAL`], so that whoever waits can also look at the clock and at a request to stop.
@@ -21,6 +22,9 @@ use std::time::Duration;
 use serial2::{CharSize, FlowControl, Parity, SerialPort, Settings, StopBits};
 
 use super::address::Address;
+use super::hislip_line::HislipLine;
+use super::usbtmc::{self, UsbLine};
+use super::vxi11_line::Vxi11Line;
 
 /// Longest wait of one call.
 pub const POLL_INTERVAL: Duration = Duration::from_millis(25);
@@ -87,10 +91,19 @@ pub fn open(
     is_stopped: &dyn Fn() -> bool,
 ) -> io::Result<Box<dyn Transport>> {
     Ok(match address {
-        Address::Socket(pair) => Box::new(connect(pair, timeout, is_stopped)?),
+        Address::Socket(pair) => Box::new(SocketLine(connect(pair, timeout, is_stopped)?)),
+        Address::Vxi11 { host, port, device } => {
+            Box::new(Vxi11Line::open((host, *port), device, timeout, is_stopped)?)
+        }
+        Address::Hislip { pair, device } => {
+            Box::new(HislipLine::open(pair, device, timeout, is_stopped)?)
+        }
+        Address::UsbFile(device) => Box::new(UsbLine::open(device)?),
+        Address::Usb(identity) => Box::new(UsbLine::open(&usbtmc::device_of(identity)?)?),
         Address::Serial { device, baud } => Box::new(SerialLine::open(device, *baud)?),
         Address::Prologix { adapter, gpib } => {
-            Box::new(PrologixLine::set_up(connect(adapter, timeout, is_stopped)?, *gpib)?)
+            let socket = SocketLine(connect(adapter, timeout, is_stopped)?);
+            Box::new(PrologixLine::set_up(socket, *gpib)?)
         }
     })
 }
@@ -102,7 +115,11 @@ struct SocketLine(TcpStream);
 
 /// Connects to `pair`, `HOST:PORT`. Looking a name up and connecting cannot be interrupted: a
 /// thread does both, and is left behind.
-fn connect(pair: &str, timeout: Duration, is_stopped: &dyn Fn() -> bool) -> io::Result<SocketLine> {
+pub(super) fn connect(
+    pair: &str,
+    timeout: Duration,
+    is_stopped: &dyn Fn() -> bool,
+) -> io::Result<TcpStream> {
     let (sender, found) = mpsc::channel();
     let address = pair.to_owned();
     thread::spawn(move || {
@@ -119,7 +136,7 @@ fn connect(pair: &str, timeout: Duration, is_stopped: &dyn Fn() -> bool) -> io::
     }
 }
 
-fn first_connection(pair: &str, timeout: Duration) -> io::Result<SocketLine> {
+fn first_connection(pair: &str, timeout: Duration) -> io::Result<TcpStream> {
     let mut last = io::Error::new(ErrorKind::NotFound, "found no such host");
     for address in pair.to_socket_addrs()? {
         match TcpStream::connect_timeout(&address, timeout) {
@@ -127,7 +144,7 @@ fn first_connection(pair: &str, timeout: Duration) -> io::Result<SocketLine> {
                 stream.set_nodelay(true)?;
                 stream.set_read_timeout(Some(POLL_INTERVAL))?;
                 stream.set_write_timeout(Some(POLL_INTERVAL))?;
-                return Ok(SocketLine(stream));
+                return Ok(stream);
             }
             Err(error) => last = error,
         }
@@ -251,7 +268,7 @@ impl Transport for SerialLine {
 }
 
 /// The count of a read or write as [`Transport`] promises it.
-fn moved(done: io::Result<usize>) -> io::Result<usize> {
+pub(super) fn moved(done: io::Result<usize>) -> io::Result<usize> {
     match done {
         Ok(0) => Err(connection_closed()),
         Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => {

@@ -11,6 +11,7 @@ mod foreign;
 mod foreign_captures;
 mod foreign_random;
 mod foreign_texts;
+mod generated_tables;
 mod impact_labs;
 mod imports;
 mod instrument_variants;

@@ -178,6 +178,11 @@ impl<'a> Cells<'a> {
         }
     }
 
+    /// A number with either decimal mark.
+    pub(super) fn parse_any(&self, text: &str) -> Option<PrintedNumber> {
+        self.parse(text).or_else(|| printed(text, !self.decimal_comma))
+    }
+
     /// The unit behind the number in a cell, where values have units of their own.
     pub(super) fn own_unit(&self, index: usize) -> Option<ColumnUnit> {
         self.has_units.then(|| parted(self.text(index))).flatten().map(|(_, unit)| unit)
@@ -313,9 +318,10 @@ fn split(line: &str, separator: char) -> Vec<(&str, usize)> {
 
 /// A number and the unit behind it: `1.2V`, `400 mV`.
 fn parted(cell: &str) -> Option<(&str, ColumnUnit)> {
-    let at = cell.rfind(|c: char| c.is_ascii_digit() || c == '.')? + 1;
-    let (number, text) = cell.split_at_checked(at).filter(|(_, text)| !text.is_empty())?;
-    Some((number.trim(), unit(text)?))
+    let is_part = |c: char| c.is_ascii_digit() || matches!(c, '.' | ',' | '+' | '-' | 'e' | 'E');
+    let at = cell.find(|c: char| !is_part(c))?;
+    let (number, text) = cell.split_at_checked(at)?;
+    Some((number, unit(text)?)).filter(|_| !number.is_empty())
 }
 
 fn bare(cell: Option<&str>) -> &str {

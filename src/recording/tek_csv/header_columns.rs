@@ -107,7 +107,7 @@ impl<'a> Block<'a, '_> {
         {
             return Err(self.wrong(layout::HORIZONTAL_UNITS, index, "s or Hz"));
         }
-        draft.even = self.frequencies(&draft);
+        draft.even = self.frequencies(&mut draft);
         draft.notes.extend(
             self.text(layout::SOURCE)
                 .and_then(|(text, _)| layout::spelling_note(layout::source_of(text)?, text)),
@@ -117,10 +117,26 @@ impl<'a> Block<'a, '_> {
             draft.notes.push("the instrument's model is not given in the file".to_owned());
         }
         self.note_rows(&mut draft)?;
+        self.note_time_base(&mut draft);
         if self.table.decimal_comma {
             draft.notes.push("numbers have a decimal comma".to_owned());
         }
         Ok(draft)
+    }
+
+    /// Notes a time base that is not that of the sample interval.
+    fn note_time_base(&self, draft: &mut UnscaledImport) {
+        const POINTS_PER_DIVISION: f64 = 250.0;
+        let is_time = draft.x_unit.as_deref() != Some("Hz");
+        let both = draft.stated.interval.zip(draft.horizontal_scale).filter(|_| is_time);
+        if let Some((interval, scale)) = both
+            && (scale / (POINTS_PER_DIVISION * interval) - 1.0).abs() > 1e-3
+        {
+            draft.notes.push(format!(
+                "the header's time base, {scale:e} s/div, is not 250 sample intervals, {:e} s/div",
+                POINTS_PER_DIVISION * interval
+            ));
+        }
     }
 
     fn note_rows(&self, draft: &mut UnscaledImport) -> Result<(), RecordingError> {
@@ -170,7 +186,7 @@ impl<'a> Block<'a, '_> {
 
     /// The frequencies of a spectrum, if they are those that the family prints: their interval
     /// follows from the sampling rate, and the printed one is cut to seven digits.
-    fn frequencies(&self, draft: &UnscaledImport) -> Option<EvenTimes> {
+    fn frequencies(&self, draft: &mut UnscaledImport) -> Option<EvenTimes> {
         if draft.x_unit.as_deref() != Some("Hz") || draft.stated.trigger_point != Some(0.0) {
             return None;
         }
@@ -189,6 +205,7 @@ impl<'a> Block<'a, '_> {
             (found - expected).abs() <= tolerance
         };
         let interval = column.interval;
+        draft.notes.extend(layout::interval_note(interval, Domain::Frequency, text));
         let is_native = (0..).zip(&draft.times.values).all(is_near);
         is_native.then_some(EvenTimes { interval, trigger_point: 0.0 })
     }

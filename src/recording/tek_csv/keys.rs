@@ -112,7 +112,7 @@ impl<'a> TableKeys<'a, '_> {
         let row = self.table.row(row);
         // A probe of `1.0X`.
         let bare = text.strip_suffix(['X', 'x']).unwrap_or(text);
-        let printed = row.parse(text).or_else(|| row.parse(bare)).ok_or_else(|| {
+        let printed = row.parse_any(text).or_else(|| row.parse_any(bare)).ok_or_else(|| {
             let key = keys.first().copied().unwrap_or_default();
             RecordingError::value(row.place(cell), key, excerpt(text), "a number")
         })?;
@@ -135,14 +135,14 @@ impl<'a> TableKeys<'a, '_> {
             let expected = format!("a number in {dimension}");
             RecordingError::value(row.place(cell), key, excerpt(text), expected)
         };
-        if let Some(plain) = row.parse(text) {
+        if let Some(plain) = row.parse_any(text) {
             return Ok(Some(plain.value));
         }
         let is_number = |c: char| c.is_ascii_digit() || matches!(c, '.' | ',' | '-' | '+');
         // The E of an exponent stands before a digit or a sign.
         let end = text.rfind(is_number).map_or(0, |at| at + 1);
         let (number, written) = text.split_at_checked(end).unwrap_or((text, ""));
-        let number = row.parse(number.trim()).ok_or_else(wrong)?;
+        let number = row.parse_any(number.trim()).ok_or_else(wrong)?;
         let written = written.trim().trim_end_matches("/s");
         let unit = match (dimension, written) {
             // Samples a second.

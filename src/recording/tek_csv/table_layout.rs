@@ -13,6 +13,8 @@ use crate::recording::error::{RecordingError, excerpt};
 const SAMPLED_ROWS: usize = 64;
 /// Share of a column's filled cells that hold numbers (1).
 const MIN_NUMBER_SHARE: f64 = 0.75;
+/// The same of a column that can only be one of damaged samples (1).
+const MIN_DAMAGED_SHARE: f64 = 0.5;
 /// Rows of a second table's head in which its names are searched.
 const HEAD_ROWS: usize = 24;
 
@@ -316,19 +318,25 @@ fn second_table(table: &CsvRows<'_>, first: usize) -> Option<usize> {
 
 /// The cells that hold numbers, or nothing, in most of the rows that are looked at.
 fn sample_cells(table: &CsvRows<'_>, first: usize, end: usize) -> Vec<usize> {
-    let mut counts: Vec<(usize, usize)> = Vec::new();
+    // Filled cells, numbers, and numbers behind a word: values of settings beside the samples.
+    let mut counts: Vec<[usize; 3]> = Vec::new();
     for index in sampled(first, end) {
         let row = table.row(index);
         if counts.len() < row.len() {
-            counts.resize(row.len(), (0, 0));
+            counts.resize(row.len(), [0; 3]);
         }
-        for (cell, (filled, numbers)) in counts.iter_mut().enumerate() {
+        let is_number = |cell: usize| row.maybe_number(cell).is_some() || row.mark(cell).is_some();
+        for (cell, [filled, numbers, settings]) in counts.iter_mut().enumerate() {
+            let text = cell.checked_sub(1).map_or("", |before| row.text(before));
+            let is_setting = text.contains(char::is_alphabetic) && !is_number(cell - 1);
             *filled += usize::from(!row.text(cell).is_empty());
-            *numbers += usize::from(row.maybe_number(cell).is_some() || row.mark(cell).is_some());
+            *numbers += usize::from(is_number(cell));
+            *settings += usize::from(is_number(cell) && is_setting);
         }
     }
-    let holds_numbers = |(_, (filled, numbers)): &(usize, &(usize, usize))| {
-        *numbers > 0 && *numbers as f64 >= MIN_NUMBER_SHARE * *filled as f64
+    let holds_numbers = |(_, [filled, numbers, settings]): &(usize, &[usize; 3])| {
+        let least = if *settings == 0 { MIN_DAMAGED_SHARE } else { MIN_NUMBER_SHARE };
+        *numbers > 0 && *numbers as f64 >= least * *filled as f64
     };
     counts.iter().enumerate().filter(holds_numbers).map(|(cell, _)| cell).collect()
 }

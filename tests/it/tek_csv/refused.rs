@@ -51,7 +51,7 @@ const WRONG_FIELDS: [(usize, &str, &str, &str); 7] = [
     (11, ",s,", ",m,", "F.CSV, line 11, column 18: `Horizontal Units` is `m`, expected s or Hz"),
     (13, "Y", "Z", "F.CSV, line 13, column 8: `Pt Fmt` is `Z`, expected Y or ENV"),
     (1000, "00.019900000000", "nan", "F.CSV, line 1000, column 4: found `nan`, expected a number"),
-    (1000, ",,,", ",,", "F.CSV, line 1000, column 21: found ``, expected a number"),
+    (1000, ",,,", ",,", "F.CSV, line 1000, column 30: found ``, expected a number"),
 ];
 
 #[test]
