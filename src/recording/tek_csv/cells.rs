@@ -100,9 +100,10 @@ impl<'a> CsvRows<'a> {
         }
     }
 
-    /// Whether most of the last rows have a unit behind a number.
+    /// Whether a third of the rows, of which some are looked at, have a unit behind a number.
     fn finds_units(&self) -> bool {
-        let last = (0..self.len()).rev().take(SAMPLED_ROWS);
+        let step = (self.len() / (4 * SAMPLED_ROWS)).max(1);
+        let last = (0..self.len()).rev().step_by(step).take(4 * SAMPLED_ROWS);
         let (mut rows, mut with_units) = (0, 0);
         for index in last {
             let row = self.row(index);
@@ -114,7 +115,7 @@ impl<'a> CsvRows<'a> {
             });
             with_units += usize::from(found);
         }
-        2 * with_units > rows
+        3 * with_units > rows
     }
 
     fn has_decimal_comma(&self, index: usize) -> bool {
@@ -145,10 +146,18 @@ impl<'a> Cells<'a> {
         self.texts().all(str::is_empty)
     }
 
-    /// Whether it holds at least two numbers and nothing else.
-    pub(super) fn is_numbers(&self) -> bool {
-        let mut filled = self.texts().filter(|cell| !cell.is_empty());
-        filled.clone().count() > 1 && filled.all(|cell| self.parse(cell).is_some())
+    /// Whether both rows hold at least two numbers, in the same cells, and the same texts beside
+    /// them.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        let is_number = |row: &Self, cell: usize| row.maybe_number(cell).is_some();
+        let cells = 0..self.len().max(other.len());
+        let numbers = cells.clone().filter(|cell| is_number(self, *cell)).count();
+        numbers > 1
+            && cells.into_iter().all(|cell| match (is_number(self, cell), is_number(other, cell)) {
+                (true, true) => true,
+                (false, false) => self.text(cell) == other.text(cell),
+                _ => false,
+            })
     }
 
     /// Whether no cell holds a number.
@@ -311,7 +320,10 @@ fn split(line: &str, separator: char) -> Vec<(&str, usize)> {
         let filled = fields.flat_map(|(cell, column)| {
             cell.split('\t').filter(|part| !part.is_empty()).map(move |part| (part, column))
         });
-        return filled.take(MAX_CELLS).collect();
+        // The mark of a remark stands apart from the first name.
+        let is_mark =
+            |(part, column): &(&str, usize)| *column == 1 && matches!(*part, "#" | "%" | ";");
+        return filled.filter(|cell| !is_mark(cell)).take(MAX_CELLS).collect();
     }
     fields.take(MAX_CELLS).collect()
 }

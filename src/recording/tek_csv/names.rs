@@ -308,7 +308,7 @@ fn parted(cell: &str) -> (String, Option<String>) {
 
 /// A name and the unit behind its slash (ISO 80000-1), also one that is not known.
 fn behind_slash(cell: &str) -> Option<(String, Option<String>)> {
-    const LONGEST: usize = 6;
+    const LONGEST: usize = 12;
     let parts = |(base, text): (&str, &str)| (base.trim().to_owned(), Some(text.trim().to_owned()));
     let known = |(_, text): &(&str, &str)| unit(text).is_some();
     if let Some(found) = cell.split_once('/').filter(known).or(cell.rsplit_once('/').filter(known))
@@ -512,10 +512,10 @@ fn channel(base: &str) -> Option<Source> {
     if let Some(letter) = base.strip_prefix("ref") {
         return reference(letter.trim());
     }
-    if let Some((word, last)) = base.rsplit_once(' ')
-        && matches!(word, "channel" | "kanal" | "canal")
-        && let Some(letter @ 'a'..='h') = last.chars().next().filter(|_| last.len() == 1)
-    {
+    let words = ["channel", "kanal", "canal"];
+    let letter = words.iter().find_map(|word| base.strip_prefix(word)).map(str::trim);
+    let letter = letter.filter(|letter| letter.len() == 1).and_then(|letter| letter.chars().next());
+    if let Some(letter @ 'a'..='h') = letter {
         return u8::try_from(u32::from(letter) - u32::from('a') + 1).ok().map(Source::Channel);
     }
     let (_, number) = numbered(base)?;

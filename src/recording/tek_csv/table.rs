@@ -21,6 +21,8 @@ use crate::recording::{Capture, InstrumentIdentity};
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 use crate::scope::{PointFormat, Source};
 
+/// With so few rows, what comes first is taken as times, and its error told.
+const FEW_ROWS: usize = 2;
 /// Channels of one file.
 const MAX_CHANNELS: u8 = 8;
 
@@ -103,6 +105,8 @@ struct ColumnPlan {
     notes: Vec<String>,
     /// Why columns are left out.
     refused: Vec<String>,
+    /// Cells of such columns, with the words and numbers of their names.
+    left_out: Vec<(usize, (String, Option<u32>))>,
     /// The spacing where no column holds times.
     spacing: Spacing,
     /// Whether the user said it.
@@ -118,6 +122,7 @@ impl ColumnPlan {
             channels: Vec::new(),
             notes: Vec::new(),
             refused: Vec::new(),
+            left_out: Vec::new(),
             spacing,
             given,
             in_order: false,
@@ -188,7 +193,7 @@ impl ColumnPlan {
                 plan.notes.push(format!("{place} counts rows and is left out"));
                 continue;
             }
-            let unit = name.unit.clone().or_else(|| column.own_unit.clone());
+            let unit = column.own_unit.clone().or_else(|| name.unit.clone());
             // `col 2` of a spreadsheet.
             let text = layout.names.map_or("", |names| table.row(names).text(*cell));
             let is_placeholder = name.role == ColumnRole::Nameless
@@ -199,6 +204,7 @@ impl ColumnPlan {
                     plan.notes.push(format!("{place} is no channel and is left out"));
                 }
                 (_, Some(unit)) => {
+                    plan.left_out.extend(name.numbered.clone().map(|numbered| (*cell, numbered)));
                     plan.refused.push(format!("{place} is in `{unit}`, a unit that is not known"));
                 }
                 (_, None) if unit.is_none() && column.is_logic() => {
@@ -218,9 +224,9 @@ impl ColumnPlan {
                         cell: *cell,
                         source: if let ColumnRole::Values(source) = role { *source } else { None },
                         unit,
-                        time_unit: time_name
-                            .and_then(|name| name.unit)
-                            .or_else(|| left.and_then(|time| body.column(layout, *time).own_unit)),
+                        time_unit: left
+                            .and_then(|time| body.column(layout, *time).own_unit)
+                            .or_else(|| time_name.and_then(|name| name.unit)),
                         key_unit: None,
                         doubt: is_doubtful.then_some("has no unit and is no voltage"),
                         numbered: name.numbered.clone(),
@@ -251,21 +257,31 @@ impl ColumnPlan {
     /// Numbers channels in the order of their columns where a file counts them from 0, or leaves
     /// the first without a number.
     fn number_in_order(&mut self) {
-        let numbers = |word: &str, number: Option<u32>| {
-            let same = (word.to_owned(), number);
-            self.channels.iter().any(|channel| channel.numbered.as_ref() == Some(&same))
+        let of_channels = self.channels.iter().filter_map(|channel| {
+            channel.numbered.as_ref().map(|numbered| (channel.cell, numbered.clone()))
+        });
+        let mut named: Vec<(usize, (String, Option<u32>))> =
+            of_channels.chain(self.left_out.iter().cloned()).collect();
+        let is_odd = |(_, (word, number)): &(usize, (String, Option<u32>))| match number {
+            Some(number) => *number == 0,
+            None => named.iter().any(|(_, (other, number))| other == word && *number == Some(1)),
         };
-        let is_odd = |channel: &Channel| {
-            channel.numbered.as_ref().is_some_and(|(word, number)| match number {
-                Some(number) => *number == 0,
-                None => numbers(word, Some(1)),
-            })
-        };
-        if self.given || !self.channels.iter().any(is_odd) {
+        if self.given || !named.iter().any(is_odd) {
             return;
         }
+        named.extend(
+            self.channels
+                .iter()
+                .filter(|c| c.numbered.is_none())
+                .map(|channel| (channel.cell, (String::new(), None))),
+        );
+        named.sort_by_key(|(cell, _)| *cell);
         for channel in &mut self.channels {
-            channel.source = channel.source.filter(|source| !matches!(source, Source::Channel(_)));
+            if matches!(channel.source, None | Some(Source::Channel(_))) {
+                let place = named.iter().position(|(cell, _)| *cell == channel.cell);
+                let number = place.and_then(|place| u8::try_from(place + 1).ok());
+                channel.source = number.map(Source::Channel);
+            }
         }
         self.in_order = true;
         self.notes.push(
@@ -330,6 +346,8 @@ impl ColumnPlan {
         for (cell, text) in row.texts().enumerate() {
             if !text.is_empty() && !layout.cells.contains(&cell) && !layout.is_unit(cell) {
                 let name = layout.names.map_or("", |names| table.row(names).text(cell));
+                let numbered = ColumnName::of(name, None).numbered;
+                self.left_out.extend(numbered.map(|numbered| (cell, numbered)));
                 self.notes.push(format!(
                     "column {} {} holds text and is left out",
                     cell + 1,
@@ -644,7 +662,9 @@ fn times(
         [only] => Ok(vec![*only]),
         [] if spacing.interval.is_some() => Ok(Vec::new()),
         // The error of the first one tells which row is not even.
-        [] => match possible().find(|(_, column)| column.rises()) {
+        [] => match possible().find(|(_, column)| {
+            column.rises() || (column.len() <= FEW_ROWS && layout.cells.len() > 1)
+        }) {
             Some(((cell, _), _)) => Ok(vec![cell]),
             None => Err(without_times(table)),
         },

@@ -68,8 +68,11 @@ impl TableLayout {
         // A first table with other cells than those of the last.
         let is_run = |index: &usize| {
             let second = next(*index);
-            let rows = [Some(*index), second, second.and_then(next)];
-            rows.into_iter().all(|row| row.is_some_and(|row| table.row(row).is_numbers()))
+            let third = second.and_then(next);
+            let same = |other: Option<usize>| {
+                other.is_some_and(|other| table.row(*index).is_like(&table.row(other)))
+            };
+            same(second) && same(third)
         };
         let first = (0..first).find(is_run).unwrap_or(first);
         let end = second_table(table, first).unwrap_or(table.len());
@@ -166,11 +169,12 @@ impl TableLayout {
         let are_units = cells().all(|cell| is_filler(cell) || known(cell));
         // A unit that is not known beside a unit of times.
         let is_led_by_unit = || {
-            let led = cells().next().is_some_and(|cell| {
-                unit_in_row(unit_text(text(cell))).is_some_and(|unit| unit.is_abscissa())
+            let Some(names) = upper.map(|upper| table.row(upper)) else { return false };
+            let is_led = cells().any(|cell| {
+                let unit = unit_in_row(unit_text(text(cell)));
+                unit.is_some_and(|unit| unit.is_abscissa()) && is_time(names.text(*cell))
             });
-            let named = |upper: usize| cells().all(|cell| !table.row(upper).text(*cell).is_empty());
-            led && upper.is_some_and(named)
+            is_led && cells().all(|cell| text(cell).is_empty() || !names.text(*cell).is_empty())
         };
         match upper {
             Some(upper) if are_units || is_led_by_unit() => {
@@ -190,7 +194,9 @@ impl TableLayout {
             .and_then(|names| (0..names).rev().find(|index| !table.row(*index).is_blank()));
         if let Some(above) = above.filter(|above| {
             let row = table.row(*above);
-            self.cells.len() > 1 && self.cells.iter().all(|cell| is_unit(&row, *cell))
+            let is_led = self.cells.first().is_some_and(|cell| is_unit(&row, *cell));
+            let is_filled = self.cells.iter().all(|cell| !row.text(*cell).is_empty());
+            self.cells.len() > 1 && is_led && is_filled
         }) {
             self.units = Some(above);
         }
@@ -219,29 +225,37 @@ impl TableLayout {
             .filter(|(_, step)| *step > 0.0);
     }
 
-    /// Texts behind the values, without a name of their own, that are units.
+    /// Texts behind the values, without a name of their own, that are units: if one is known, all are.
     fn find_units_beside(&mut self, table: &CsvRows<'_>) -> Result<(), RecordingError> {
+        let mut found: Vec<(usize, Vec<&str>)> = Vec::new();
         for cell in &self.cells {
             let place = cell + 1;
             let name = self.names.map_or("", |names| table.row(names).text(place));
             if self.cells.contains(&place) || !name.is_empty() {
                 continue;
             }
-            let rows = || sampled(self.first, self.end).map(|index| table.row(index).text(place));
-            let mut texts = rows().filter(|text| !text.is_empty());
-            let Some(first) = texts.next() else { continue };
-            let looks_like_unit = |text: &str| {
-                unit(text).is_some() || text.starts_with("dB") || text.contains(['/', '°', '%'])
-            };
-            if !looks_like_unit(first) {
-                continue;
+            let rows = sampled(self.first, self.end).map(|index| table.row(index).text(place));
+            let mut texts: Vec<&str> = rows.filter(|text| !text.is_empty()).collect();
+            texts.sort_unstable();
+            texts.dedup();
+            if !texts.is_empty() {
+                found.push((*cell, texts));
             }
-            if let Some(other) = texts.find(|other| *other != first) {
-                let [first, other] = [excerpt(first), excerpt(other)];
-                let what = format!("one unit for column {}: it has {first} and {other}", cell + 1);
-                return Err(unknown(table, &what));
+        }
+        let is_unit = |text: &&str| unit(text).is_some() || text.starts_with("dB");
+        if !found.iter().any(|(_, texts)| texts.iter().all(is_unit)) {
+            return Ok(());
+        }
+        for (cell, texts) in found {
+            match texts.as_slice() {
+                [only] => self.beside.push((cell, (*only).to_owned())),
+                several => {
+                    let texts: Vec<String> = several.iter().map(|text| excerpt(text)).collect();
+                    let texts = texts.join(" and ");
+                    let what = format!("one unit for column {}: it has {texts}", cell + 1);
+                    return Err(unknown(table, &what));
+                }
             }
-            self.beside.push((*cell, first.to_owned()));
         }
         Ok(())
     }

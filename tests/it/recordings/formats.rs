@@ -61,6 +61,7 @@ fn names_tell_formats() {
         ("a.MCAP", Some(Format::Mcap)),
         ("F0000CH1.CSV", Some(Format::File)),
         ("a.csv", Some(Format::File)),
+        ("a.lvm", Some(Format::File)),
         ("a.txt", None),
         ("a", None),
     ] {

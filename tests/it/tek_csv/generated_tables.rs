@@ -98,8 +98,7 @@ struct Table {
 }
 
 /// Names of channels and the sources they stand for.
-fn names(draws: &mut Draws, count: usize) -> Vec<(String, Source)> {
-    let kind = draws.below(12);
+fn names(kind: usize, count: usize) -> Vec<(String, Source)> {
     let words = ["piezo", "rod", "anvil", "striker"];
     (0..count)
         .map(|n| {
@@ -147,7 +146,8 @@ fn table(seed: u64) -> Table {
     let step = *draws.of(&[1.0, 0.5, 0.25, 2.0, 0.004]);
     let first = draws.below(20) as f64 - 10.0;
     let count = 1 + draws.below(4);
-    let mut channels: Vec<Channel> = names(&mut draws, count)
+    let kind = draws.below(12);
+    let mut channels: Vec<Channel> = names(kind, count)
         .into_iter()
         .map(|(name, source)| Channel {
             name,
@@ -158,6 +158,11 @@ fn table(seed: u64) -> Table {
         .collect();
     if separator == "  " {
         channels.iter_mut().for_each(|channel| channel.name = channel.name.replace(' ', ""));
+    }
+    // Names without a channel's number: those that are read are numbered.
+    if matches!(kind, 5 | 10) {
+        let known = channels.iter_mut().filter(|channel| !channel.unit.1.is_empty());
+        known.zip(1..).for_each(|(channel, number)| channel.source = Source::Channel(number));
     }
     let exponent = draws.chance(30);
     let number = |value: f64| {
@@ -215,6 +220,9 @@ fn table(seed: u64) -> Table {
     if peak {
         head.push("CH1 Peak Detect".to_owned());
         below.push(bare("V"));
+        if beside {
+            head.push(String::new());
+        }
     }
     if label {
         head.push("label".to_owned());
@@ -272,8 +280,9 @@ fn table(seed: u64) -> Table {
 /// Why `capture` is not a channel of `table`; none if it is one.
 fn misread(table: &Table, capture: &Capture) -> Option<String> {
     let waveform = &capture.waveform;
-    let Some(channel) = table.channels.iter().find(|channel| channel.source == waveform.source)
-    else {
+    // A column in an unknown unit is none.
+    let mut known = table.channels.iter().filter(|channel| !channel.unit.1.is_empty());
+    let Some(channel) = known.find(|channel| channel.source == waveform.source) else {
         return Some(format!("a channel {} that is not there", waveform.source));
     };
     let (_, unit, size) = channel.unit;
