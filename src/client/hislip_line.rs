@@ -87,7 +87,7 @@ impl Channel {
 }
 
 fn invalid(found: &str) -> io::Error {
-    super::connection::invalid_reply(found)
+    super::transport::invalid_reply(found)
 }
 
 /// An instrument that speaks HiSLIP.

@@ -1,6 +1,6 @@
 //! The lines on which bytes go to an instrument and come back: a raw TCP socket, RS-232, and GPIB
-//! behind a Prologix GPIB-to-Ethernet adapter; those with messages of their own are in `hislip_line`,
-//! `vxi11_line` and `usbtmc`.
+//! behind a Prologix GPIB-to-Ethernet adapter; those with messages of their own are in
+//! `hislip_line`, `vxi11_line` and `usbtmc`.
 //!
 //! A transport moves bytes and knows nothing of messages but their frame. No call waits longer than
 //! [`POLL_INTERVAL`], so that whoever waits can also look at the clock and at a request to stop.
@@ -20,11 +20,6 @@ use std::thread;
 use std::time::Duration;
 
 use serial2::{CharSize, FlowControl, Parity, SerialPort, Settings, StopBits};
-
-use super::address::Address;
-use super::hislip_line::HislipLine;
-use super::usbtmc::{self, UsbLine};
-use super::vxi11_line::Vxi11Line;
 
 /// Longest wait of one call.
 pub const POLL_INTERVAL: Duration = Duration::from_millis(25);
@@ -81,37 +76,10 @@ pub trait Transport: Debug + Send {
     }
 }
 
-/// Opens the line to `address`. `is_stopped` is asked until it is open.
-///
-/// # Errors
-/// The system's error.
-pub fn open(
-    address: &Address,
-    timeout: Duration,
-    is_stopped: &dyn Fn() -> bool,
-) -> io::Result<Box<dyn Transport>> {
-    Ok(match address {
-        Address::Socket(pair) => Box::new(SocketLine(connect(pair, timeout, is_stopped)?)),
-        Address::Vxi11 { host, port, device } => {
-            Box::new(Vxi11Line::open((host, *port), device, timeout, is_stopped)?)
-        }
-        Address::Hislip { pair, device } => {
-            Box::new(HislipLine::open(pair, device, timeout, is_stopped)?)
-        }
-        Address::UsbFile(device) => Box::new(UsbLine::open(device)?),
-        Address::Usb(identity) => Box::new(UsbLine::open(&usbtmc::device_of(identity)?)?),
-        Address::Serial { device, baud } => Box::new(SerialLine::open(device, *baud)?),
-        Address::Prologix { adapter, gpib } => {
-            let socket = SocketLine(connect(adapter, timeout, is_stopped)?);
-            Box::new(PrologixLine::set_up(socket, *gpib)?)
-        }
-    })
-}
-
 /// A TCP connection on which messages are lines: a served scope, or a real one behind a
 /// serial-to-LAN adapter.
 #[derive(Debug)]
-struct SocketLine(TcpStream);
+pub(super) struct SocketLine(pub(super) TcpStream);
 
 /// Connects to `pair`, `HOST:PORT`. Looking a name up and connecting cannot be interrupted: a
 /// thread does both, and is left behind.
@@ -165,11 +133,11 @@ impl Transport for SocketLine {
 /// An instrument on the GPIB of a Prologix adapter, or of one that understands the same `++`
 /// commands (AR488).
 #[derive(Debug)]
-struct PrologixLine(SocketLine);
+pub(super) struct PrologixLine(SocketLine);
 
 impl PrologixLine {
     /// Sets the adapter behind `socket` up for the instrument at bus address `gpib`.
-    fn set_up(mut socket: SocketLine, gpib: u8) -> io::Result<Self> {
+    pub(super) fn set_up(mut socket: SocketLine, gpib: u8) -> io::Result<Self> {
         // Settings stay out of the adapter's memory; messages end with LF and EOI; 3 s is its
         // longest time limit.
         let set_up = format!(
@@ -217,14 +185,14 @@ fn escaped(message: &str) -> Vec<u8> {
 
 /// An open serial port.
 #[derive(Debug)]
-struct SerialLine {
+pub(super) struct SerialLine {
     port: SerialPort,
     baud: u32,
 }
 
 impl SerialLine {
     /// Opens `device` at `baud` (baud); bytes from before are dropped.
-    fn open(device: &Path, baud: u32) -> io::Result<Self> {
+    pub(super) fn open(device: &Path, baud: u32) -> io::Result<Self> {
         let settings = |mut settings: Settings| {
             settings.set_raw();
             settings.set_baud_rate(baud)?;
@@ -281,6 +249,11 @@ pub(super) fn moved(done: io::Result<usize>) -> io::Result<usize> {
 /// The other side has closed the line.
 pub fn connection_closed() -> io::Error {
     io::Error::new(ErrorKind::UnexpectedEof, "it has closed the connection")
+}
+
+/// The error for a reply that no oscilloscope sends.
+pub fn invalid_reply(found: &str) -> io::Error {
+    io::Error::new(ErrorKind::InvalidData, format!("found {found}"))
 }
 
 /// The user has asked to stop.

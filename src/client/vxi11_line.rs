@@ -8,8 +8,7 @@ use std::net::TcpStream;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::connection::invalid_reply;
-use super::transport::{POLL_INTERVAL, Transport, connect, moved};
+use super::transport::{POLL_INTERVAL, Transport, connect, invalid_reply, moved};
 use crate::vxi11::port_mapper;
 use crate::vxi11::procedure::{CORE_PROGRAM, ErrorCode, VERSION};
 use crate::vxi11::rpc::{MAX_RECEIVE, RecordDecoder, XdrReader, put_opaque, record, words};

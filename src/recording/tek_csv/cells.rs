@@ -6,7 +6,6 @@
 
 use std::borrow::Cow;
 
-use super::column::LARGEST;
 use super::names::{ColumnUnit, unit};
 use super::text::BYTE_ORDER_MARK;
 use crate::recording::error::{FileLocation, RecordingError, excerpt, place};
@@ -15,6 +14,8 @@ use crate::recording::error::{FileLocation, RecordingError, excerpt, place};
 pub(super) const MAX_ROWS: usize = 2_000_000;
 /// Cells of a row that are looked at: 4 channels of `OpenChoice` take 24.
 const MAX_CELLS: usize = 32;
+/// From this on, a number says that the instrument's range was left (SCPI-99, 7.2.1.4).
+pub(super) const LARGEST: f64 = 9.9e37;
 /// Rows that are looked at to find the separator.
 const SAMPLED_ROWS: usize = 16;
 

@@ -6,15 +6,13 @@
 //! bounds the true one: `max(10^-D / 2, 10^(m + 1 - S) / 2)` with the most decimals `D` and the
 //! most digits `S` of the column and the number's magnitude `m = floor(log10 |v|)`.
 
-use super::cells::{Cells, PrintedNumber};
+use super::cells::{Cells, LARGEST, PrintedNumber};
 use super::names::ColumnUnit;
 use crate::recording::error::{FileLocation, RecordingError, excerpt};
 
 /// Digits of single precision that can be relied on; numbers that went through it are printed with
 /// more.
 pub(super) const SINGLE_PRECISION_DIGITS: i32 = 6;
-/// From this on, a number says that the instrument's range was left (SCPI-99, 7.2.1.4).
-pub(super) const LARGEST: f64 = 9.9e37;
 /// Digits beyond which double precision is the limit.
 const MAX_DIGITS: i32 = 15;
 
@@ -45,28 +43,13 @@ impl SampleColumn {
     /// until the range is known.
     pub(super) fn push(&mut self, row: &Cells<'_>, index: usize) -> Result<(), RecordingError> {
         let found = row.maybe_number(index).filter(|found| found.value.abs() < LARGEST);
-        if let Some(is_above) = row.mark(index).filter(|_| found.is_none()) {
+        let beyond = if found.is_some() { None } else { row.mark(index) };
+        if let Some(is_above) = beyond {
             self.beyond.push((self.values.len(), is_above));
             self.values.push(self.values.last().copied().unwrap_or_default());
         } else {
-            let PrintedNumber { value, decimals, digits } = row.number(index)?;
-            let unit = row.own_unit(index);
-            let first = self.values.len() == self.beyond.len();
-            match (&self.own_unit, &unit) {
-                (Some(known), Some(unit)) if known == unit => {}
-                (None, None) => {}
-                (None, Some(_)) if first => self.own_unit = unit,
-                _ => {
-                    let known = self.own_unit.as_ref().map_or("no unit", |unit| unit.text);
-                    let expected = format!("the unit of the rows above, {known}, and its prefix");
-                    let found = excerpt(row.text(index));
-                    return Err(RecordingError::found(row.place(index), found, expected));
-                }
-            }
-            self.decimals = if first { decimals } else { self.decimals.max(decimals) };
-            self.digits = self.digits.max(digits);
-            self.fractions |= row.text(index).contains(['.', ',']);
-            self.values.push(value);
+            let found = found.map_or_else(|| row.number(index), Ok)?;
+            self.push_number(row, index, found)?;
         }
         let (line, column) = row.spot(index);
         let number = |place: usize| u32::try_from(place).unwrap_or(u32::MAX);
@@ -77,13 +60,42 @@ impl SampleColumn {
         Ok(())
     }
 
+    fn push_number(
+        &mut self,
+        row: &Cells<'_>,
+        index: usize,
+        PrintedNumber { value, decimals, digits }: PrintedNumber,
+    ) -> Result<(), RecordingError> {
+        let unit = row.own_unit(index);
+        let first = self.values.len() == self.beyond.len();
+        match (&self.own_unit, &unit) {
+            (Some(known), Some(unit)) if known == unit => {}
+            (None, None) => {}
+            (None, Some(_)) if first => self.own_unit = unit,
+            _ => {
+                let known = self.own_unit.as_ref().map_or("no unit", |unit| unit.text);
+                let expected = format!("the unit of the rows above, {known}, and its prefix");
+                let found = excerpt(row.text(index));
+                return Err(RecordingError::found(row.place(index), found, expected));
+            }
+        }
+        self.decimals = if first { decimals } else { self.decimals.max(decimals) };
+        self.digits = self.digits.max(digits);
+        self.fractions |= row.text(index).contains(['.', ',']);
+        self.values.push(value);
+        Ok(())
+    }
+
     /// Counts a row without a value, before the first one.
     pub(super) fn skip_row(&mut self) {
         self.before += usize::from(self.values.is_empty());
     }
 
     /// The values of `rows`, counted from the table's first.
-    pub(super) fn of_rows(&self, rows: std::ops::Range<usize>) -> Self {
+    pub(super) fn of_rows(self, rows: std::ops::Range<usize>) -> Self {
+        if rows == (self.before..self.before + self.len()) {
+            return self;
+        }
         let from = rows.start.saturating_sub(self.before);
         let to = rows.end.saturating_sub(self.before).min(self.len());
         let beyond = self.beyond.iter().filter(|(place, _)| (from..to).contains(place));
@@ -92,9 +104,7 @@ impl SampleColumn {
             spots: self.spots.get(from..to).unwrap_or_default().to_vec(),
             beyond: beyond.map(|(place, above)| (place - from, *above)).collect(),
             before: rows.start,
-            file: self.file.clone(),
-            own_unit: self.own_unit.clone(),
-            ..*self
+            ..self
         }
     }
 

@@ -5,7 +5,6 @@
 //! `U/V`, `time_s`), in a row of its own, or is the name itself (`second`, `Volt`). Prefixes from
 //! nano to mega are taken into account.
 
-use super::column::ten_to;
 use crate::scope::Source;
 
 /// What a column is by its name.
@@ -43,7 +42,8 @@ impl ColumnUnit {
 
     /// What one of it is in the unit without prefix (unit).
     pub(super) fn size(&self) -> f64 {
-        self.factor * ten_to(self.power)
+        let power = 10f64.powi(self.power.abs());
+        self.factor * if self.power < 0 { 1.0 / power } else { power }
     }
 
     /// Whether it is one of an abscissa.

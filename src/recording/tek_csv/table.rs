@@ -446,7 +446,7 @@ impl ColumnPlan {
         let values = body.column(layout, channel.cell);
         if let Some(time) = channel.time {
             let times = body.column(layout, time);
-            let (times, values) = both(&times, &values, &mut draft.notes)?;
+            let (times, values) = both(times, values, &mut draft.notes)?;
             draft.times = scaled(times, time_unit.as_ref());
             draft.values = scaled(values, value_unit);
             draft.x_unit = time_unit.as_ref().map(|unit| unit.text.to_owned());
@@ -515,12 +515,12 @@ impl ColumnPlan {
 
 /// Times and values of the rows that have both; notes rows at the ends without a value.
 fn both(
-    times: &SampleColumn,
-    values: &SampleColumn,
+    times: SampleColumn,
+    values: SampleColumn,
     notes: &mut Vec<String>,
 ) -> Result<(SampleColumn, SampleColumn), RecordingError> {
     let rows = |column: &SampleColumn| column.before..column.before + column.len();
-    let (of_times, of_values) = (rows(times), rows(values));
+    let (of_times, of_values) = (rows(&times), rows(&values));
     let outside = if of_values.start < of_times.start {
         Some(0)
     } else {
@@ -536,7 +536,7 @@ fn both(
             notes.push(format!("the {place} {count} rows have no value and are left out"));
         }
     }
-    Ok((times.of_rows(of_values), values.clone()))
+    Ok((times.of_rows(of_values), values))
 }
 
 /// Turns the levels of an Instek file into volts: 25 a division (GDS-1000A manual).
