@@ -225,7 +225,8 @@ impl TableLayout {
             .filter(|(_, step)| *step > 0.0);
     }
 
-    /// Texts behind the values, without a name of their own, that are units: if one is known, all are.
+    /// Texts behind the values, without a name of their own, that are units: if one is known, all
+    /// are.
     fn find_units_beside(&mut self, table: &CsvRows<'_>) -> Result<(), RecordingError> {
         let mut found: Vec<(usize, Vec<&str>)> = Vec::new();
         for cell in &self.cells {
