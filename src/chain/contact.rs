@@ -3,6 +3,8 @@
 use super::hertz;
 use super::loss::{ContactLoss, Touch};
 
+/// Iterations for a contact in series with a spring, at most.
+const SERIES_ITERATIONS: usize = 50;
 /// Root of the static overlap that makes a Hertz contact a spring (m^0.5).
 const SPRING_ROOT: f64 = 1e10;
 
@@ -30,6 +32,8 @@ pub struct Contact {
     pub loss: Option<ContactLoss>,
     /// Force at which its softer body begins to yield; none where that is not known (N).
     pub yield_force: Option<f64>,
+    /// Of a spring in series with the contact, a piezo stack's; 0 without one (m/N).
+    pub compliance: f64,
 }
 
 impl Contact {
@@ -41,6 +45,7 @@ impl Contact {
         law: Law::Hertz,
         loss: None,
         yield_force: None,
+        compliance: 0.0,
     };
 
     /// Stiffness against small changes of the static state (N/m).
@@ -61,8 +66,43 @@ impl Contact {
         }
     }
 
-    /// Change of the force when the overlap grows by `change` (m) over the static one (N).
+    /// How far the bodies are from parting at rest: the static overlap, and what a spring in series
+    /// is pressed (m).
+    pub fn static_approach(&self) -> f64 {
+        self.static_overlap + self.compliance * self.static_force
+    }
+
+    /// Change of the overlap alone where the bodies have come closer by `change` (m): what a spring
+    /// in series leaves of it (m).
+    fn without_spring(&self, change: f64) -> f64 {
+        if self.compliance == 0.0 {
+            return change;
+        }
+        // Newton's method on `f = F(change - f c)`, from the tangent at rest; the slope of the
+        // difference is at least 1, so a few iterations end at rounding.
+        let stiffness = |overlap: f64| match self.law {
+            Law::Hertz => hertz::tangent_stiffness(self.stiffness, self.static_overlap + overlap),
+            Law::Linearised => self.static_stiffness(),
+        };
+        let mut overlap = change / (1.0 + self.compliance * stiffness(change.max(0.0)));
+        for _ in 0..SERIES_ITERATIONS {
+            let beyond = overlap + self.compliance * self.overlap_force(overlap) - change;
+            let step = beyond / (1.0 + self.compliance * stiffness(overlap));
+            overlap -= step;
+            if step.abs() <= f64::EPSILON * overlap.abs() {
+                break;
+            }
+        }
+        overlap
+    }
+
+    /// Change of the force when the bodies come closer by `change` (m) (N).
     pub fn force_change(&self, change: f64) -> f64 {
+        self.overlap_force(self.without_spring(change))
+    }
+
+    /// Change of the force when the overlap grows by `change` (m) over the static one (N).
+    fn overlap_force(&self, change: f64) -> f64 {
         match self.law {
             Law::Hertz => hertz::force_change(self.stiffness, self.static_overlap.sqrt(), change),
             Law::Linearised => self.static_stiffness() * change,
@@ -77,7 +117,7 @@ impl Contact {
 
     fn touched(&self, force_change: f64, change: f64, closing: f64, closed: bool) -> Touch {
         let elastic = self.static_force + force_change;
-        Touch { overlap: self.static_overlap + change, closing, elastic, closed }
+        Touch { overlap: self.static_approach() + change, closing, elastic, closed }
     }
 
     /// Change of the force, losses included (N).
@@ -95,6 +135,9 @@ impl Contact {
         closed: bool,
     ) -> (f64, [f64; 2]) {
         let (elastic, slope) = match self.law {
+            _ if self.compliance > 0.0 => {
+                (self.force_change(change), self.tangent_stiffness(change))
+            }
             Law::Hertz => {
                 hertz::force_and_tangent(self.stiffness, self.static_overlap.sqrt(), change)
             }
@@ -108,14 +151,29 @@ impl Contact {
 
     /// Stiffness against further changes (N/m).
     pub fn tangent_stiffness(&self, change: f64) -> f64 {
-        match self.law {
-            Law::Hertz => hertz::tangent_stiffness(self.stiffness, self.static_overlap + change),
+        let stiffness = match self.law {
+            Law::Hertz => {
+                let change = self.without_spring(change);
+                hertz::tangent_stiffness(self.stiffness, self.static_overlap + change)
+            }
             Law::Linearised => self.static_stiffness(),
-        }
+        };
+        stiffness / (1.0 + self.compliance * stiffness)
     }
 
-    /// Elastic energy, that of the static overlap included (J).
+    /// Elastic energy, that of the static overlap and of a spring in series included (J).
     pub fn energy(&self, change: f64) -> f64 {
+        let change = self.without_spring(change);
+        let spring = if self.compliance > 0.0 {
+            0.5 * self.compliance * (self.static_force + self.overlap_force(change)).powi(2)
+        } else {
+            0.0
+        };
+        spring + self.overlap_energy(change)
+    }
+
+    /// Elastic energy of the overlap (J).
+    fn overlap_energy(&self, change: f64) -> f64 {
         match self.law {
             Law::Hertz => hertz::energy(self.stiffness, self.static_overlap + change),
             Law::Linearised => {
@@ -131,6 +189,12 @@ impl Contact {
     /// With `s` and `r` the square roots of the present and the static overlap it is
     /// `A (s - r)^2 (2/5 s^3 + 4/5 s^2 r + 6/5 s r^2 + 3/5 r^3)` while closed.
     pub fn energy_change(&self, change: f64) -> f64 {
+        if self.compliance > 0.0 {
+            let overlap = self.without_spring(change);
+            let force = self.overlap_force(overlap);
+            let contact = Self { compliance: 0.0, ..*self };
+            return contact.energy_change(overlap) + 0.5 * self.compliance * force * force;
+        }
         if self.law == Law::Linearised {
             return 0.5 * self.static_stiffness() * change * change;
         }

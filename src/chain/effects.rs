@@ -8,6 +8,7 @@ use std::fmt::Write as _;
 
 use super::EndOfContact;
 use super::loss::{ContactLoss, KINDS};
+use super::support::Support;
 use crate::magnet::Magnet;
 use crate::quantity::{Dimension, engineering};
 
@@ -289,6 +290,8 @@ pub struct EffectsSpec {
     pub magnet_law: Option<MagnetLaw>,
     /// `[effects.magnet_preload]`
     pub magnet_preload: Option<MagnetPreload>,
+    /// What is behind the walls at the top and at the bottom: `[drive]`, rods and plates.
+    pub supports: [Support; 2],
 }
 
 impl EffectsSpec {
@@ -309,6 +312,9 @@ impl EffectsSpec {
             all.push(("magnet_law", words.to_owned()));
         }
         all.extend(self.magnet_preload.as_ref().map(|m| ("magnet_preload", m.summary())));
+        for (support, end) in self.supports.iter().zip(["top", "bottom"]) {
+            all.extend(support.summary(end));
+        }
         all.sort_unstable_by_key(|(name, _)| *name);
         all
     }

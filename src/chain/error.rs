@@ -50,6 +50,14 @@ pub enum ChainError {
         /// The body below the contact.
         body: String,
     },
+    /// A drive, a rod or a plate at an end without a wall.
+    #[error(
+        "a drive, rod or plate at the {end} needs a wall there whose material touches the chain"
+    )]
+    SupportWithoutWall {
+        /// `top` or `bottom`.
+        end: &'static str,
+    },
     /// Loads do not balance and no wall takes the rest.
     #[error(
         "no static equilibrium: a net force of {} is left at the bottom; put a wall there or balance the forces",

@@ -68,7 +68,12 @@ pub fn contact(
     if loss.is_some() && law == Law::Linearised {
         return Err(ChainError::LinearisedWithLoss { body: lower.2.to_owned() });
     }
-    Ok(Contact { stiffness, static_force: bears, static_overlap, law, loss, yield_force })
+    let [above, below] = &spec.effects.supports;
+    let beside = if j == 0 { Some(above) } else { (j == bodies.len()).then_some(below) };
+    let stack = beside.and_then(|support| support.drive()?.stiffness);
+    let compliance = stack.map_or(0.0, |stiffness| 1.0 / stiffness);
+    let static_force = bears;
+    Ok(Contact { stiffness, static_force, static_overlap, law, loss, yield_force, compliance })
 }
 
 /// A body's name as losses know it: to them a wall is a wall.

@@ -2,7 +2,7 @@
 
 use super::bench::Bench;
 use crate::recording::{Capture, InstrumentIdentity, Origin, Shot, TrueSignal};
-use crate::scene::{Scene, Site, input_load};
+use crate::scene::{GENERATOR_OUTPUTS, Scene, Site, input_load};
 use crate::scope::acquire::{
     TriggerPosition, before_trigger, digitise, find_trigger, fold_average,
 };
@@ -33,7 +33,7 @@ pub fn signals(scene: &Scene, bench: &Bench<'_>, shot: u32) -> Vec<Option<Vec<f6
 pub fn volts(scene: &Scene, bench: &Bench<'_>, channel: &ChannelSetup) -> Vec<f64> {
     let load = input_load(&scene.scope.model, channel);
     let name = channel.input.as_deref().unwrap_or_default();
-    sensor_voltages(scene, bench, name, load).unwrap_or_else(|| {
+    input_voltages(scene, bench, name, load).unwrap_or_else(|| {
         let samples = bench.watches().first().map_or(0, |w| w.samples.len());
         vec![0.0; samples]
     })
@@ -44,7 +44,35 @@ pub fn external(scene: &Scene, bench: &Bench<'_>) -> Vec<f64> {
     let Some(name) = &scene.scope.external else { return Vec::new() };
     let model = &scene.scope.model;
     let load = Load { resistance: model.input_resistance, capacitance: model.input_capacitance };
-    sensor_voltages(scene, bench, name, load).unwrap_or_default()
+    input_voltages(scene, bench, name, load).unwrap_or_default()
+}
+
+/// Voltage of a generator's signal at its peak (V).
+const GENERATOR_PEAK: f64 = 1.0;
+/// Voltage of its sync output while the signal lasts (V).
+const SYNC_LEVEL: f64 = 5.0;
+
+/// Voltage of a sensor, or an output of the drive's generator, into a load (V).
+fn input_voltages(scene: &Scene, bench: &Bench<'_>, name: &str, load: Load) -> Option<Vec<f64>> {
+    let [generator, sync] = GENERATOR_OUTPUTS;
+    let Some((_, drive)) =
+        scene.chain.drives().next().filter(|_| [generator, sync].contains(&name))
+    else {
+        return sensor_voltages(scene, bench, name, load);
+    };
+    let signal = &drive.signal;
+    let volts = |time: f64| {
+        if name == generator {
+            GENERATOR_PEAK * signal.at(time)[0]
+        } else {
+            let is_on = (0.0..=signal.length).contains(&time);
+            if is_on { SYNC_LEVEL } else { 0.0 }
+        }
+    };
+    // Without a probe nothing says how far the bench has come but the time itself.
+    let reached = bench.grid().samples_until(bench.time());
+    let samples = bench.watches().first().map_or(reached, |watch| watch.samples.len());
+    Some((0..samples).map(|sample| volts(bench.grid().time(sample))).collect())
 }
 
 /// Voltage of the sensor `name` into a load (V).

@@ -33,6 +33,8 @@ pub struct Extremes {
     ends: Vec<[f64; 2]>,
     /// The same at the end of the present one.
     now: Vec<[f64; 2]>,
+    /// The same of the walls at the top and at the bottom at the end of the last step.
+    walls: [[f64; 2]; 2],
 }
 
 impl Extremes {
@@ -46,6 +48,7 @@ impl Extremes {
             time: 0.0,
             ends: velocities.iter().map(|velocity| [0.0, *velocity]).collect(),
             now: Vec::with_capacity(velocities.len()),
+            walls: [[0.0; 2]; 2],
         }
     }
 
@@ -65,10 +68,16 @@ impl Extremes {
         self.now.extend((0..self.ends.len()).map(|body| integrator.body(body)));
         let length = integrator.time() - self.time;
         self.time = integrator.time();
-        let (mut before_above, mut after_above) = ([0.0; 2], [0.0; 2]);
+        let walls_before = self.walls;
+        if chain.has_moving_walls() {
+            let wall = |end| integrator.wall(end);
+            self.walls = [0, 1].map(wall).map(|wall| [wall.position(1.0), wall.velocity(1.0)]);
+        }
+        let [mut before_above, last_before] = walls_before;
+        let [mut after_above, last_after] = self.walls;
         for (j, contact) in chain.contacts().iter().enumerate() {
-            let before_below = self.ends.get(j).copied().unwrap_or_default();
-            let after_below = self.now.get(j).copied().unwrap_or_default();
+            let before_below = self.ends.get(j).copied().unwrap_or(last_before);
+            let after_below = self.now.get(j).copied().unwrap_or(last_after);
             let before = difference(before_above, before_below);
             let after = difference(after_above, after_below);
             (before_above, after_above) = (before_below, after_below);
@@ -145,8 +154,8 @@ fn difference(above: [f64; 2], below: [f64; 2]) -> [f64; 2] {
 /// The same of contact `j` in a chain of so many `bodies`, at a share of the last step.
 fn between(integrator: &dyn Integrator, bodies: usize, j: usize) -> impl Fn(f64) -> [f64; 2] {
     let motion = |body: usize| integrator.interpolant(body);
-    let above = j.checked_sub(1).map_or(Interpolant::REST, motion);
-    let below = if j < bodies { motion(j) } else { Interpolant::REST };
+    let above = j.checked_sub(1).map_or_else(|| integrator.wall(0), motion);
+    let below = if j < bodies { motion(j) } else { integrator.wall(1) };
     move |theta| {
         let at = |path: &Interpolant| [path.position(theta), path.velocity(theta)];
         difference(at(&above), at(&below))

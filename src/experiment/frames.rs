@@ -27,7 +27,7 @@ impl Frames {
             Self { grid, contact_forces: Vec::new(), displacements: Vec::new(), count: 0 };
         if grid.time(0) <= 0.0 {
             let State { position, velocity, .. } = chain.initial_state(velocities);
-            frames.take(chain, (&position, &velocity), &|_| true);
+            frames.take(chain, [[0.0; 2]; 2], (&position, &velocity), &|_| true);
         }
         frames
     }
@@ -49,11 +49,14 @@ impl Frames {
         }
         let motion: Vec<Interpolant> =
             (0..chain.bodies().len()).map(|body| integrator.interpolant(body)).collect();
+        let walls = [0, 1].map(|end| integrator.wall(end));
         while self.next() <= end {
             let theta = (self.next() - start) / length;
+            let walls = walls.map(|wall| [wall.position(theta), wall.velocity(theta)]);
             let position: Vec<f64> = motion.iter().map(|m| m.position(theta)).collect();
             let velocity: Vec<f64> = motion.iter().map(|m| m.velocity(theta)).collect();
-            self.take(chain, (&position, &velocity), &|contact| integrator.was_on(contact));
+            let closed = |contact| integrator.was_on(contact);
+            self.take(chain, walls, (&position, &velocity), &closed);
         }
     }
 
@@ -80,11 +83,18 @@ impl Frames {
         self.grid.time(self.count)
     }
 
-    fn take(&mut self, chain: &Chain, motion: (&[f64], &[f64]), closed: &dyn Fn(usize) -> bool) {
+    fn take(
+        &mut self,
+        chain: &Chain,
+        walls: [[f64; 2]; 2],
+        motion: (&[f64], &[f64]),
+        closed: &dyn Fn(usize) -> bool,
+    ) {
         let (position, velocity) = motion;
         self.begin(chain);
         for (j, forces) in self.contact_forces.iter_mut().enumerate() {
-            forces.push(chain.contact_force(position, velocity, j, closed(j)));
+            let force = chain.contact_force_between(walls, position, velocity, j, closed(j));
+            forces.push(force);
         }
         for (track, x) in self.displacements.iter_mut().zip(position) {
             track.push(*x);

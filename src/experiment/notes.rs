@@ -43,6 +43,7 @@ pub fn notes(
             notes.push(note.with("samples", clipped));
         }
     }
+    notes.extend(echoes(scene));
     notes.extend(sensors.iter().filter(|s| s.first_peak.is_none()).map(no_peak));
     if let Some(extremes) = extremes {
         let forces = extremes.forces(&scene.chain);
@@ -110,6 +111,24 @@ fn not_triggered(scene: &Scene, found: Option<TriggerPosition>) -> Option<Note> 
         ),
     };
     Some(note.with("interval_s", interval))
+}
+
+/// Rods whose far ends return echoes while the record is taken.
+fn echoes(scene: &Scene) -> impl Iterator<Item = Note> {
+    let (_, span) = scene.scope.record_span();
+    let end = scene.duration.max(span);
+    let ends = scene.chain.supports().iter().zip(["top", "bottom"]);
+    ends.filter_map(move |(support, place)| {
+        let delay = support.backing()?.echo?.delay;
+        (delay < end).then(|| {
+            let sentence = format!(
+                "the rod at the {place} returns an echo {} after each force on it, within the record of {}",
+                engineering(delay, "s", 4),
+                engineering(end, "s", 3)
+            );
+            Note::new("echo_within_record", sentence).with("end", place).with("delay_s", delay)
+        })
+    })
 }
 
 fn no_peak(sensor: &Reading) -> Note {

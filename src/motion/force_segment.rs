@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::hermite::{COEFFICIENTS, Interpolant};
+use super::hermite::{COEFFICIENTS, Interpolant, derivative, horner};
 use super::integrator::Integrator;
 use crate::chain::ForceProbe;
 use crate::chain::probe::{Around, CONTACTS};
@@ -10,25 +10,34 @@ use crate::chain::probe::{Around, CONTACTS};
 /// The probe's view of the integrator's last step, whose interpolation is prepared.
 pub fn over_step(probe: &ForceProbe, integrator: &dyn Integrator, bodies: usize) -> ForceSegment {
     let here = probe.body();
-    let motion = |index: Option<usize>| {
-        index.filter(|i| *i < bodies).map_or(Interpolant::REST, |i| integrator.interpolant(i))
+    let (start, length) = integrator.last_step();
+    // Beside the outermost bodies are walls.
+    let motion = |index: Option<usize>| match index {
+        None => integrator.wall(0),
+        Some(index) if index < bodies => integrator.interpolant(index),
+        Some(_) => integrator.wall(1),
     };
-    let beyond = |index: Option<usize>| motion(index.filter(|_| probe.is_lossy()));
+    let beyond = |is_there: bool, index: Option<usize>| {
+        if is_there && probe.is_lossy() { motion(index) } else { Interpolant::REST }
+    };
     let along = [
-        beyond(here.checked_sub(2)),
+        beyond(here > 0, here.checked_sub(2)),
         motion(here.checked_sub(1)),
         motion(Some(here)),
         motion(Some(here + 1)),
-        beyond(Some(here + 2)),
+        beyond(here + 1 < bodies, Some(here + 2)),
     ];
-    let (start, length) = integrator.last_step();
+    let slope = |wall: &Interpolant, is_beside: bool| {
+        if is_beside { derivative(&wall.velocity, length) } else { [0.0; COEFFICIENTS] }
+    };
+    let walls = [slope(&along[1], here == 0), slope(&along[3], here + 1 == bodies)];
     let closed =
         [here.wrapping_sub(1), here, here + 1, here + 2].map(|contact| integrator.was_on(contact));
     let pull = probe.around().pull.as_ref().filter(|_| probe.is_lossy());
     let pulled = pull.map(|(place, _)| Box::new(along[place + 1]));
     let anew = integrator.starts_anew();
     let (motion, around) = (Motion::between(&along), Arc::clone(probe.around()));
-    ForceSegment { around, start, length, motion, pulled, closed, anew }
+    ForceSegment { around, start, length, motion, walls, pulled, closed, anew }
 }
 
 /// How the overlaps of the contacts around a probe change, and how fast, over a step: coefficients
@@ -73,6 +82,9 @@ pub struct ForceSegment {
     /// Length of the step (s).
     pub length: f64,
     motion: Motion,
+    /// Accelerations of walls beside the probe's body: coefficients of the powers of the step's
+    /// fraction (m/s²).
+    walls: [[f64; COEFFICIENTS]; 2],
     /// The body that a magnet pulls as it moves.
     pulled: Option<Box<Interpolant>>,
     /// Whether each contact counted as closed.
@@ -120,7 +132,8 @@ impl ForceSegment {
                 let (inverse_mass, rest) = inertia[i];
                 (forces[i] - forces[i + 1] + self.pull(i, theta)) * inverse_mass + rest
             });
-            gained = [upper - here, here - lower];
+            let [top, bottom] = self.walls.each_ref().map(|wall| horner(wall, theta));
+            gained = [upper + top - here, here - lower - bottom];
         }
         let rates = [(1, slopes_above), (2, slopes_below)]
             .map(|(i, [stiffness, damping])| stiffness * closing[i] + damping * gained[i - 1]);

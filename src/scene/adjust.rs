@@ -13,7 +13,7 @@ use super::document::{
     ANY, Node, Value, at, at_mut, expand, insert, is_in_tables, known, put, quoted, quoted_key,
 };
 use super::library::{self, LoadedScene};
-use super::panel::CachedPanel;
+use super::panel::{CachedPanel, Sources};
 use super::problem::{Problem, SceneError, one_of};
 use super::problems::Problems;
 use super::root::RootKeys;
@@ -123,7 +123,9 @@ impl Adjustable {
         let keys = TableReader::of(root, "", &[RootKeys::KEYS], &problems);
         let keys = keys.map(|root| RootKeys::read(&root));
         let panel = keys.and_then(|keys| {
-            CachedPanel::of(keys.scope.as_ref()?, keys.sensors.as_ref(), duration)
+            let drive = keys.table.has("drive");
+            let sources = Sources { sensors: keys.sensors.as_ref(), drive };
+            CachedPanel::of(keys.scope.as_ref()?, sources, duration)
         });
         Ok(Self { panel, ..adjustable })
     }

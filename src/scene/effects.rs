@@ -271,6 +271,7 @@ pub fn effects(
         magnet_law: (is_described && !law_is_off).then_some(MagnetLaw),
         magnet_preload,
         losses,
+        ..EffectsSpec::default()
     };
     let states = [
         ("gravity", keys.gravity.as_ref().map(|effect| effect.state)),

@@ -14,6 +14,7 @@ use std::sync::{Arc, OnceLock};
 use sha2::{Digest, Sha256};
 
 use super::document::{ANY, Entry, Node, SourceLocation, Value};
+use super::drive::read_samples;
 use super::problem::{Problem, SceneError, did_you_mean};
 use crate::data;
 
@@ -36,7 +37,7 @@ enum MergeRule {
 }
 
 /// The exceptions from merging key by key, by path. The order decides the hash of a scene's texts.
-const RULES: [(&[&str], MergeRule); 7] = [
+const RULES: [(&[&str], MergeRule); 8] = [
     (&["striker"], MergeRule::Model("strikers")),
     (&["scope"], MergeRule::Model("")),
     (&["materials", ANY], MergeRule::Shipped("materials")),
@@ -44,11 +45,19 @@ const RULES: [(&[&str], MergeRule); 7] = [
     (&["sensors", ANY], MergeRule::Model("sensors")),
     (&["chain", "top"], MergeRule::Whole),
     (&["chain", "bottom"], MergeRule::Whole),
+    (&SIGNAL, MergeRule::Whole),
 ];
 
 /// Keys that name a file of constants, and its folder.
-const CONSTANTS: [(&str, &str); 3] =
-    [("material", "materials"), ("wall", "materials"), ("ceramic", "piezoceramics")];
+const CONSTANTS: [(&str, &str); 5] = [
+    ("material", "materials"),
+    ("wall", "materials"),
+    ("rod", "materials"),
+    ("plate", "materials"),
+    ("ceramic", "piezoceramics"),
+];
+/// The table of a generator's signal, whose key `file` names a file of samples.
+const SIGNAL: [&str; 2] = ["drive", "signal"];
 
 /// The merged tree of a scene, and the text as typed.
 #[derive(Debug, Clone)]
@@ -219,6 +228,42 @@ impl Library {
                 }
                 MergeRule::Whole => {}
             });
+        }
+        for_each(root, &SIGNAL, &mut Vec::new(), &mut |entry, _| self.insert_samples(entry));
+    }
+
+    /// Puts the samples of the file that a generator's signal names in the place of its name.
+    fn insert_samples(&mut self, entry: &mut Entry) {
+        let Some((name, place)) = entry.node.text("file") else { return };
+        let (path, place) = (place.folder().unwrap_or(Path::new("")).join(name), place.clone());
+        let shown = path.display().to_string();
+        let mut wrong = |found: String| {
+            let expected = "a text file with a value, or time and value, in each line";
+            self.problems.push(place.problem("drive.signal.file", found, expected.to_owned()));
+        };
+        let text = match read_text(&path, &shown) {
+            Ok(text) => text,
+            Err(SceneError::Problems(problems)) => return self.problems.extend(problems),
+            Err(error) => return wrong(error.to_string()),
+        };
+        let (values, interval) = match read_samples(&text) {
+            Ok(samples) => samples,
+            Err(found) => return wrong(format!("{shown}, {found}")),
+        };
+        self.texts.add(&Arc::from(text));
+        let Some(keys) = entry.node.entries_mut() else { return };
+        keys.remove("file");
+        let node = |value| Node { place: place.clone(), value };
+        let number = |value: &f64| {
+            node(Value::Number { typed: format!("{value:e}").into(), value: *value, whole: false })
+        };
+        let items = Value::List(Rc::new(values.iter().map(number).collect()));
+        let interval = interval.map(|interval| Value::Text(format!("{interval:e} s").into()));
+        for (key, value) in [("samples", Some(items)), ("interval", interval)] {
+            if let Some(value) = value {
+                let entry = Entry { key_place: place.clone(), node: node(value) };
+                keys.insert(Rc::from(key), entry);
+            }
         }
     }
 

@@ -10,6 +10,7 @@ mod bodies;
 mod distance;
 #[doc(hidden)]
 pub mod document;
+mod drive;
 mod effects;
 #[doc(hidden)]
 pub mod grid;
@@ -36,6 +37,7 @@ pub mod table;
 mod uncertainty;
 
 pub use distance::{PlatePlace, Site, distance};
+pub use drive::OUTPUTS as GENERATOR_OUTPUTS;
 pub use library::{Texts, hexadecimal, require};
 pub use panel::load as input_load;
 pub use problem::{Problem, SceneError};
@@ -209,7 +211,8 @@ fn read(
         }
     }
     let scope = keys.scope.as_ref().and_then(|table| {
-        let setup = panel::setup(table, keys.sensors.as_ref(), keys.duration, panel)?;
+        let inputs = panel::Sources { sensors: keys.sensors.as_ref(), drive: root.has("drive") };
+        let setup = panel::setup(table, inputs, keys.duration, panel)?;
         if setup.acquisition.depth() > 1 && effects.spread.is_some() {
             let found = "\"average\" of impacts whose speeds differ";
             let expected = "\"sample\", or no effects.striker_speed_spread";
@@ -276,24 +279,34 @@ fn moving<'a>(keys: &RootKeys<'a>, places: &[(&str, PlaceKeys<'_>)]) -> Moving<'
         bodies::no_preload_at_the_bottom(chain);
     }
     // An end that could not be read may be a wall.
-    let walls = [&top, &bottom].map(|e| e.is_none_or(|(end, _)| matches!(end, End::Wall(_))));
+    let walls = [&top, &bottom].map(|e| e.as_ref().is_none_or(|e| matches!(e.end, End::Wall(_))));
     let pairs = bodies::pairs(&particles.kinds, striker.is_some(), walls);
     let read = |table| effects::effects(table, root.has("striker"), count, &pairs);
-    let effects = keys.effects.as_ref().map(read).unwrap_or_default();
+    let mut effects = keys.effects.as_ref().map(read).unwrap_or_default();
+    let behind = |end: &Option<bodies::ReadEnd>| end.as_ref().map(|e| e.support.clone());
+    effects.spec.supports = [&top, &bottom].map(|end| behind(end).unwrap_or_default());
+    if let Some(table) = &keys.drive {
+        let supports = effects.spec.supports.clone();
+        if let Some(driven) = drive::driven(table, keys.seed, supports) {
+            effects.spec.supports = driven;
+        }
+    }
     let velocities = keys.initial_velocities.as_deref().unwrap_or_default();
     let initial_velocities = bodies::initial_velocities(root, velocities, striker.as_ref(), count);
     // A kind that could not be read has already left its problem; half a chain would only add
     // echoes of it.
     let whole =
         particles.bodies.len() == count && count > 0 && (striker.is_some() || !root.has("striker"));
+    // An end that could not be read is a problem already; a sensor at it adds no other.
+    let wall = bottom.as_ref().is_none_or(|bottom| matches!(bottom.end, End::Wall(_)));
     let built = match (&chain, top, bottom) {
-        (Some(chain), Some((top, preload)), Some((bottom, _))) if whole => {
+        (Some(chain), Some(top), Some(bottom)) if whole => {
             let spec = ChainSpec {
                 striker: striker.map(|s| s.body),
                 particles: particles.bodies,
-                top,
-                bottom,
-                wall_preload: preload,
+                top: top.end,
+                bottom: bottom.end,
+                wall_preload: top.preload,
                 effects: effects.spec.clone(),
             };
             let magnet = keys.effects.as_ref().and_then(effects::magnet_table);
@@ -305,8 +318,6 @@ fn moving<'a>(keys: &RootKeys<'a>, places: &[(&str, PlaceKeys<'_>)]) -> Moving<'
     if keys.effects.as_ref().is_none_or(|effects| !effects.has("gravity")) {
         notes.extend(built.as_ref().and_then(|(_, chain)| weightless(chain)));
     }
-    // An end that could not be read is a problem already; a sensor at it adds no other.
-    let wall = bottom.is_none_or(|(bottom, _)| matches!(bottom, End::Wall(_)));
     Moving { kinds: particles.kinds, wall, effects, initial_velocities, built, notes }
 }
 

@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use super::document::{Entries, Node};
+use super::drive::OUTPUTS;
 use super::oscilloscope;
 use super::problem::one_of;
 use super::table::{Bound, NamedTables, TableReader};
@@ -49,7 +50,7 @@ table! {
 table! {
     /// What is connected to an input.
     pub struct InputKeys<'a> {
-        /// the sensor's name; default: nothing connected
+        /// the sensor's name, or "sync", "generator" of a drive; default: nothing connected
         input: &'a str = text(),
     }
 }
@@ -57,7 +58,7 @@ table! {
 table! {
     /// `[scope.ch1]` to `[scope.ch4]`.
     pub struct ChannelKeys<'a> {
-        /// the sensor's name; default: nothing connected
+        /// the sensor's name, or "generator", "sync" of a drive; default: nothing connected
         input: &'a str = text(),
         scale: f64 = positive(Dimension::VOLTAGE_PER_DIVISION).required(),
         /// of the trace's zero from the screen's centre
@@ -120,12 +121,8 @@ pub struct CachedPanel {
 
 impl CachedPanel {
     /// The panel of `table` in a scene of this duration (s), if nothing is wrong with it.
-    pub fn of(
-        table: &TableReader<'_>,
-        sensors: Option<&NamedTables<'_>>,
-        duration: f64,
-    ) -> Option<Self> {
-        let sensors = sensor_names(sensors);
+    pub fn of(table: &TableReader<'_>, sources: Sources<'_, '_>, duration: f64) -> Option<Self> {
+        let sensors = sources.names();
         let setup = panel(table, &sensors, Some(duration))?;
         let sensors = sensors.into_iter().map(str::to_owned).collect();
         Some(Self { entries: Rc::clone(table.entries), sensors, duration, setup })
@@ -139,18 +136,30 @@ impl CachedPanel {
     }
 }
 
-fn sensor_names<'a>(sensors: Option<&NamedTables<'a>>) -> Vec<&'a str> {
-    sensors.into_iter().flatten().map(|(name, _)| *name).collect()
+/// What channels may be wired to.
+#[derive(Clone, Copy)]
+pub struct Sources<'a, 'b> {
+    /// Tables of the sensors.
+    pub sensors: Option<&'b NamedTables<'a>>,
+    /// Whether there is a drive, whose generator has outputs.
+    pub drive: bool,
+}
+
+impl<'a> Sources<'a, '_> {
+    fn names(self) -> Vec<&'a str> {
+        let sensors = self.sensors.into_iter().flatten().map(|(name, _)| *name);
+        sensors.chain(OUTPUTS.into_iter().filter(|_| self.drive)).collect()
+    }
 }
 
 /// The front panel of a scene; it is `known` if that was read from the same table.
 pub fn setup(
     table: &TableReader<'_>,
-    sensors: Option<&NamedTables<'_>>,
+    sources: Sources<'_, '_>,
     duration: Option<f64>,
     known: Option<&CachedPanel>,
 ) -> Option<Setup> {
-    let sensors = sensor_names(sensors);
+    let sensors = sources.names();
     match known.filter(|panel| panel.is_of(table, &sensors, duration)) {
         Some(panel) => Some(panel.setup.clone()),
         None => panel(table, &sensors, duration),
@@ -210,7 +219,9 @@ fn one_channel_a_sensor(
     external_table: Option<&InputKeys<'_>>,
     external: Option<&String>,
 ) {
-    let input = |channel: &Option<ChannelSetup>| channel.as_ref().and_then(|c| c.input.clone());
+    let input = |channel: &Option<ChannelSetup>| {
+        channel.as_ref().and_then(|c| c.input.clone()).filter(|name| !OUTPUTS.contains(&&**name))
+    };
     let inputs: Vec<Option<String>> = channels.iter().map(input).collect();
     let taken = inputs.iter().position(|name| name.is_some() && name.as_ref() == external);
     if let (Some(channel), Some(name), Some(keys)) = (taken, external, external_table) {

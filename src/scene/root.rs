@@ -2,6 +2,7 @@
 
 use super::bodies::{BodyKeys, ChainKeys, MaterialKeys, StrikerKeys, VelocityKeys};
 use super::document::Node;
+use super::drive::DriveKeys;
 use super::effects::{EffectsKeys, LOSS_KEYS};
 use super::oscilloscope::ModelKeys;
 use super::panel::PanelKeys;
@@ -46,6 +47,8 @@ table! {
             .required()
             .needs("[chain] with top, bottom and segments"),
         striker: TableReader<'a> = table_of(&[BodyKeys::KEYS, StrikerKeys::KEYS]),
+        /// what moves a wall: a piezo stack or a shaker
+        drive: TableReader<'a> = table_of(&[DriveKeys::KEYS]),
         /// instead of a striker, or beside it
         initial_velocities: Vec<TableReader<'a>> = list_of(&[VelocityKeys::KEYS]),
         sensors: NamedTables<'a> = tables_of(&[PlaceKeys::KEYS, SensorKeys::KEYS]),

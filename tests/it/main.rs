@@ -51,6 +51,7 @@ mod scpi;
 #[cfg(feature = "server")]
 mod server;
 mod set_file;
+mod supports;
 mod sweep;
 mod tek_csv;
 #[cfg(feature = "tui")]

@@ -54,7 +54,7 @@ pub fn ledger(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Ledger, RunError> {
     type Make = fn(&BaselineRun<'_>) -> LedgerEntry;
-    const ENTRIES: [Make; 18] = [
+    const ENTRIES: [Make; 20] = [
         chain::striker_speed_spread,
         chain::gravity,
         chain::magnet_preload,
@@ -63,6 +63,8 @@ pub fn ledger(
         chain::kuwabara_kono,
         chain::power_law_loss,
         chain::linearised_contacts,
+        chain::drive,
+        chain::yielding_wall,
         chain::plasticity,
         chain::host_mass,
         electronics::sensor_offset,
