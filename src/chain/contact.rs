@@ -2,6 +2,7 @@
 
 use super::hertz;
 use super::loss::{ContactLoss, Touch};
+use super::plasticity::YieldLaw;
 
 /// Iterations for a contact in series with a spring, at most.
 const SERIES_ITERATIONS: usize = 50;
@@ -15,6 +16,22 @@ pub enum Law {
     Hertz,
     /// Hertz linearised about the static state, by [`super::LinearisedContacts`].
     Linearised,
+}
+
+/// What decides on a contact's force beside its motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Past {
+    /// Whether it counts as closed.
+    pub closed: bool,
+    /// Largest overlap so far beyond first yield; 0 where it has not yielded (m).
+    pub largest: f64,
+}
+
+impl Past {
+    /// That of a contact that has not yielded.
+    pub fn of(closed: bool) -> Self {
+        Self { closed, largest: 0.0 }
+    }
 }
 
 /// One contact and its static state.
@@ -32,6 +49,8 @@ pub struct Contact {
     pub loss: Option<ContactLoss>,
     /// Force at which its softer body begins to yield; none where that is not known (N).
     pub yield_force: Option<f64>,
+    /// How it yields; none where it is elastic whatever the force.
+    pub plastic: Option<YieldLaw>,
     /// Of a spring in series with the contact, a piezo stack's; 0 without one (m/N).
     pub compliance: f64,
 }
@@ -45,6 +64,7 @@ impl Contact {
         law: Law::Hertz,
         loss: None,
         yield_force: None,
+        plastic: None,
         compliance: 0.0,
     };
 
@@ -96,6 +116,50 @@ impl Contact {
         overlap
     }
 
+    /// Change of the force when the bodies come closer by `change` (m) after the overlap `largest`
+    /// (m) (N), and its slope (N/m).
+    pub fn force_change_after(&self, change: f64, largest: f64) -> (f64, f64) {
+        let elastic = || match self.law {
+            Law::Hertz if self.compliance == 0.0 => {
+                hertz::force_and_tangent(self.stiffness, self.static_overlap.sqrt(), change)
+            }
+            _ => (self.force_change(change), self.tangent_stiffness(change)),
+        };
+        let Some(law) = &self.plastic else { return elastic() };
+        let overlap = self.static_overlap + change;
+        if largest > 0.0 && overlap < largest {
+            let (force, slope) = law.unloading(largest).force_and_slope(overlap);
+            return (force - self.static_force, slope);
+        }
+        self.loading_change(change)
+    }
+
+    /// The same on first loading.
+    pub fn loading_change(&self, change: f64) -> (f64, f64) {
+        let overlap = self.static_overlap + change;
+        match &self.plastic {
+            Some(law) if overlap > law.first_overlap() => {
+                let (force, slope) = law.loading(overlap);
+                (force - self.static_force, slope)
+            }
+            _ => hertz::force_and_tangent(self.stiffness, self.static_overlap.sqrt(), change),
+        }
+    }
+
+    /// Largest overlap beyond first yield at rest; 0 where it has not yielded (m).
+    pub(super) fn static_largest(&self) -> f64 {
+        let has_yielded = |law: &YieldLaw| self.static_overlap > law.first_overlap();
+        if self.plastic.as_ref().is_some_and(has_yielded) { self.static_overlap } else { 0.0 }
+    }
+
+    /// Overlap that remains without force after the overlap `largest` (m) (m).
+    pub fn residual_overlap(&self, largest: f64) -> f64 {
+        match &self.plastic {
+            Some(law) if largest > 0.0 => law.unloading(largest).residual,
+            _ => 0.0,
+        }
+    }
+
     /// Change of the force when the bodies come closer by `change` (m) (N).
     pub fn force_change(&self, change: f64) -> f64 {
         self.overlap_force(self.without_spring(change))
@@ -111,20 +175,21 @@ impl Contact {
 
     /// The contact when its overlap has grown by `change` (m) over the static one and grows by
     /// `closing` (m/s).
-    pub fn touch(&self, change: f64, closing: f64, closed: bool) -> Touch {
-        self.touched(self.force_change(change), change, closing, closed)
+    pub fn touch(&self, change: f64, closing: f64, past: Past) -> Touch {
+        self.touched(self.force_change_after(change, past.largest).0, change, closing, past)
     }
 
-    fn touched(&self, force_change: f64, change: f64, closing: f64, closed: bool) -> Touch {
+    fn touched(&self, force_change: f64, change: f64, closing: f64, past: Past) -> Touch {
         let elastic = self.static_force + force_change;
-        Touch { overlap: self.static_approach() + change, closing, elastic, closed }
+        let overlap = self.static_approach() + change - self.residual_overlap(past.largest);
+        Touch { overlap, closing, elastic, closed: past.closed }
     }
 
     /// Change of the force, losses included (N).
-    pub fn lossy_force_change(&self, change: f64, closing: f64, closed: bool) -> f64 {
-        let elastic = self.force_change(change);
+    pub fn lossy_force_change(&self, change: f64, closing: f64, past: Past) -> f64 {
+        let (elastic, _) = self.force_change_after(change, past.largest);
         let Some(loss) = self.loss else { return elastic };
-        elastic + loss.force(self.stiffness, self.touched(elastic, change, closing, closed))
+        elastic + loss.force(self.stiffness, self.touched(elastic, change, closing, past))
     }
 
     /// The same (N), and its slopes against the overlap (N/m) and the closing speed (N s/m).
@@ -132,19 +197,11 @@ impl Contact {
         &self,
         change: f64,
         closing: f64,
-        closed: bool,
+        past: Past,
     ) -> (f64, [f64; 2]) {
-        let (elastic, slope) = match self.law {
-            _ if self.compliance > 0.0 => {
-                (self.force_change(change), self.tangent_stiffness(change))
-            }
-            Law::Hertz => {
-                hertz::force_and_tangent(self.stiffness, self.static_overlap.sqrt(), change)
-            }
-            Law::Linearised => (self.force_change(change), self.static_stiffness()),
-        };
+        let (elastic, slope) = self.force_change_after(change, past.largest);
         let Some(loss) = self.loss else { return (elastic, [slope, 0.0]) };
-        let touch = self.touched(elastic, change, closing, closed);
+        let touch = self.touched(elastic, change, closing, past);
         let (force, tangent) = loss.force_and_tangent(self.stiffness, slope, touch);
         (elastic + force, [tangent.stiffness, tangent.damping])
     }

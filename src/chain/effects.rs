@@ -8,6 +8,7 @@ use std::fmt::Write as _;
 
 use super::EndOfContact;
 use super::loss::{ContactLoss, KINDS};
+use super::plasticity::{PlasticModel, Plasticity};
 use super::support::Support;
 use crate::magnet::Magnet;
 use crate::quantity::{Dimension, engineering};
@@ -290,6 +291,8 @@ pub struct EffectsSpec {
     pub magnet_law: Option<MagnetLaw>,
     /// `[effects.magnet_preload]`
     pub magnet_preload: Option<MagnetPreload>,
+    /// `[effects.plasticity]`
+    pub plasticity: Option<Plasticity>,
     /// What is behind the walls at the top and at the bottom: `[drive]`, rods and plates.
     pub supports: [Support; 2],
 }
@@ -312,6 +315,13 @@ impl EffectsSpec {
             all.push(("magnet_law", words.to_owned()));
         }
         all.extend(self.magnet_preload.as_ref().map(|m| ("magnet_preload", m.summary())));
+        if let Some(Plasticity { model }) = self.plasticity {
+            let words = match model {
+                PlasticModel::Thornton => "thornton: contacts yield".to_owned(),
+                PlasticModel::WaltonBraun(e) => format!("walton_braun, restitution {e}"),
+            };
+            all.push(("plasticity", words));
+        }
         for (support, end) in self.supports.iter().zip(["top", "bottom"]) {
             all.extend(support.summary(end));
         }
@@ -326,6 +336,7 @@ impl EffectsSpec {
             "linearised_contacts" => self.linearised_contacts = None,
             "magnet_law" => self.magnet_law = None,
             "magnet_preload" => self.magnet_preload = None,
+            "plasticity" => self.plasticity = None,
             _ => {
                 if let Some(kind) = LossKind::named(name) {
                     self.losses[kind as usize] = None;

@@ -132,9 +132,19 @@ impl Chain {
         self.supports.iter().any(Support::moves)
     }
 
+    /// Whether a contact may yield.
+    pub fn is_plastic(&self) -> bool {
+        self.contacts.iter().any(|contact| contact.plastic.is_some())
+    }
+
+    /// Whether its forces depend on time or history, for which the implicit method has no tangents.
+    pub fn needs_explicit_method(&self) -> bool {
+        self.has_moving_walls() || self.is_plastic()
+    }
+
     /// Whether its motion depends on more than positions, so that only the general methods serve.
     pub fn needs_general_method(&self) -> bool {
-        self.is_dissipative() || self.has_moving_walls()
+        self.is_dissipative() || self.needs_explicit_method()
     }
 
     /// Whether its contacts are linearised: all of them are, or none.

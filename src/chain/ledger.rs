@@ -26,6 +26,9 @@ pub struct Accounts {
     pub losses: Option<usize>,
     /// The time, if a wall moves by it.
     pub clock: Option<usize>,
+    /// The first of those of contacts that may yield, one a contact: the largest overlaps beyond
+    /// first yield.
+    pub plastic: Option<usize>,
     /// Those of the walls at the top and at the bottom that move.
     pub ends: [Option<EndAccounts>; 2],
     /// Coordinates of bodies and accounts together.
@@ -68,7 +71,13 @@ impl Chain {
     /// accounts.
     pub fn initial_state(&self, initial_velocity: &[f64]) -> State {
         let mut velocity = initial_velocity.to_vec();
-        velocity.resize(self.accounts().len, 0.0);
+        let accounts = self.accounts();
+        velocity.resize(accounts.len, 0.0);
+        for (contact, value) in
+            self.contacts.iter().zip(accounts.plastic.map_or(&mut [][..], |at| &mut velocity[at..]))
+        {
+            *value = contact.static_largest();
+        }
         State { time: 0.0, position: vec![0.0; velocity.len()], velocity }
     }
 
@@ -86,7 +95,32 @@ impl Chain {
                 .moves()
                 .then(|| EndAccounts { work: place(1), face: support.backing().map(|_| place(1)) })
         });
-        Accounts { losses, clock, ends, ..accounts }
+        let plastic = self.is_plastic().then(|| place(self.contacts.len()));
+        Accounts { losses, clock, ends, plastic, ..accounts }
+    }
+
+    /// Largest overlap of contact `j` beyond first yield up to `state`; 0 where it has not yielded
+    /// (m).
+    pub fn largest_overlap_of(&self, state: &State, j: usize) -> f64 {
+        let (Some(first), Some(contact)) = (self.accounts().plastic, self.contacts.get(j)) else {
+            return 0.0;
+        };
+        let Some(law) = &contact.plastic else { return 0.0 };
+        let kept = state.velocity.get(first + j).copied().unwrap_or(0.0);
+        let overlap = contact.static_overlap + self.overlap_change_in(state, j);
+        if overlap > law.first_overlap() { kept.max(overlap) } else { kept }
+    }
+
+    /// Elastic energy of contact `j` in `state` (J).
+    pub(super) fn contact_energy(&self, state: &State, j: usize) -> f64 {
+        let Some(contact) = self.contacts.get(j) else { return 0.0 };
+        let change = self.overlap_change_in(state, j);
+        match &contact.plastic {
+            Some(law) => {
+                law.energy(contact.static_overlap + change, self.largest_overlap_of(state, j))
+            }
+            None => contact.energy(change),
+        }
     }
 
     /// Speed that stands for a metre of a wall that gives way: the inverse of the overlap by a
@@ -143,6 +177,15 @@ impl Chain {
         let losses = losses.map(|(_, (loss, value))| LossEntry { loss, energy: value / unit });
         let kept = accounts.get(ACCOUNTS - 1).map_or(0.0, |value| value / unit);
         let mut losses: Vec<LossEntry> = losses.collect();
+        if places.plastic.is_some() {
+            let lost = |(j, contact): (usize, &super::Contact)| {
+                contact.plastic.map_or(0.0, |law| {
+                    law.lost(self.largest_overlap_of(state, j)) - law.lost(contact.static_largest())
+                })
+            };
+            let energy = self.contacts.iter().enumerate().map(lost).sum();
+            losses.push(LossEntry { loss: "plasticity", energy });
+        }
         let mut work_of_drive = None;
         let ends = self.supports.iter().zip(places.ends).zip(["top_wall", "bottom_wall"]);
         for ((support, place), name) in ends {
@@ -162,8 +205,8 @@ impl Chain {
     /// `held` tells which are.
     pub fn free_energy(&self, state: &State, held: &dyn Fn(usize) -> bool) -> Energy {
         let mut energy = self.energy(state);
-        for (j, contact) in self.contacts.iter().enumerate().filter(|(j, _)| held(*j)) {
-            energy.elastic -= contact.energy(self.overlap_change_in(state, j));
+        for j in (0..self.contacts.len()).filter(|j| held(*j)) {
+            energy.elastic -= self.contact_energy(state, j);
         }
         energy
     }

@@ -16,10 +16,12 @@ pub mod effects;
 mod energy;
 mod equilibrium;
 mod error;
+mod geometry;
 pub mod hertz;
 mod ledger;
 pub mod loss;
 mod magnet;
+mod plasticity;
 pub(crate) mod probe;
 mod stability;
 mod state;
@@ -27,7 +29,7 @@ mod statics;
 mod support;
 
 pub use body::{Body, ChainSpec, End};
-pub use contact::{Contact, Law};
+pub use contact::{Contact, Law, Past};
 pub use effects::{
     ContactOverride, EffectsSpec, Gravity, LOSS_MODELS, LinearisedContacts, LossKind, LossModel,
     LossSpec, MagnetForce, MagnetLaw, MagnetPreload, PlacedAt, PlacedMagnet,
@@ -40,6 +42,7 @@ pub(crate) use ledger::into_chain;
 pub use ledger::{Accounts, Dissipated, EndAccounts};
 pub use loss::{ACCOUNTS, ContactLoss, EndOfContact};
 pub use magnet::{ChainMagnet, Pull};
+pub use plasticity::{PlasticModel, Plasticity, Unloading, YieldLaw};
 pub use probe::ForceProbe;
 pub use stability::StabilityLimit;
 pub use state::State;

@@ -29,6 +29,8 @@ pub struct Around {
     /// Index of the body between the two that are felt.
     pub(crate) body: usize,
     pub(crate) is_lossy: bool,
+    /// The first account of contacts that may yield.
+    pub(crate) plastic: Option<usize>,
     /// Inverse mass (1/kg) and unbalanced acceleration (m/s²) of the body above, this one and the
     /// one below.
     pub(crate) inertia: [(f64, f64); 3],
@@ -72,6 +74,7 @@ impl ForceProbe {
             weights,
             body,
             is_lossy: above.loss.is_some() || below.loss.is_some(),
+            plastic: chain.accounts().plastic,
             inertia: [inertia(body.checked_sub(1)), inertia(Some(body)), inertia(Some(body + 1))],
             pull,
         };

@@ -79,11 +79,18 @@ pub enum Carrier {
         /// Frequency at the end (Hz).
         to: f64,
     },
-    /// Noise of a band: a sum of sines, each with its angular frequency (1/s) and phase (rad), of
-    /// the amplitude (1).
-    Noise(Arc<[[f64; 2]]>, f64),
-    /// A generator's samples, every so often (s), joined by cubics with continuous slopes.
-    Samples(Arc<[f64]>, f64),
+    /// Noise of a band: a sum of sines, each with its angular frequency (1/s) and phase (rad).
+    Noise(
+        Arc<[[f64; 2]]>,
+        /// Amplitude of each (1).
+        f64,
+    ),
+    /// A generator's samples, joined by cubics with continuous slopes.
+    Samples(
+        Arc<[f64]>,
+        /// From one to the next (s).
+        f64,
+    ),
 }
 
 /// A rod or plate behind a wall.

@@ -4,7 +4,8 @@
 //! Between the ends of a step an overlap is largest where its closing speed is zero, which is found
 //! on the step's interpolant.
 
-use crate::chain::{Chain, Contact};
+use super::frames::past_of;
+use crate::chain::{Chain, Contact, Past};
 use crate::motion::{Integrator, Interpolant};
 use crate::numeric::roots::root;
 
@@ -56,7 +57,7 @@ impl Extremes {
     pub fn forces(&self, chain: &Chain) -> Vec<f64> {
         let both = self.changes.iter().zip(&self.lossy_forces);
         let force = |(contact, (change, lossy)): (&Contact, (&f64, &f64))| match contact.loss {
-            None => contact.static_force + contact.force_change(*change),
+            None => contact.static_force + contact.force_change_after(*change, 0.0).0,
             Some(_) => *lossy,
         };
         chain.contacts().iter().zip(both).map(force).collect()
@@ -95,7 +96,8 @@ impl Extremes {
                 }
                 continue;
             }
-            self.take_lossy(contact, integrator, j, (before, after), turns);
+            let past = past_of(chain, integrator, j);
+            self.take_lossy(contact, integrator, (j, past), (before, after), turns);
         }
         if let Some((body, _)) = chain.pull() {
             let (before, after) = (self.ends[body], self.now[body]);
@@ -115,13 +117,12 @@ impl Extremes {
         &mut self,
         contact: &Contact,
         integrator: &dyn Integrator,
-        j: usize,
+        (j, past): (usize, Past),
         (before, after): ([f64; 2], [f64; 2]),
         turns: bool,
     ) {
-        let closed = integrator.was_on(j);
         let force = |[change, closing]: [f64; 2]| {
-            contact.static_force + contact.lossy_force_change(change, closing, closed)
+            contact.static_force + contact.lossy_force_change(change, closing, past)
         };
         let (start, end) = (force(before), force(after));
         let at_ends = start.max(end);

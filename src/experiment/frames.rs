@@ -2,7 +2,7 @@
 
 use super::grid::Grid;
 use crate::chain::Chain;
-use crate::chain::State;
+use crate::chain::{Past, State};
 use crate::motion::kernel::VectorStepper;
 use crate::motion::{Integrator, Interpolant};
 
@@ -27,7 +27,10 @@ impl Frames {
             Self { grid, contact_forces: Vec::new(), displacements: Vec::new(), count: 0 };
         if grid.time(0) <= 0.0 {
             let State { position, velocity, .. } = chain.initial_state(velocities);
-            frames.take(chain, [[0.0; 2]; 2], (&position, &velocity), &|_| true);
+            let largest =
+                |j| chain.accounts().plastic.map_or(0.0, |first: usize| velocity[first + j]);
+            let past = |j| Past { closed: true, largest: largest(j) };
+            frames.take(chain, [[0.0; 2]; 2], (&position, &velocity), &past);
         }
         frames
     }
@@ -55,8 +58,8 @@ impl Frames {
             let walls = walls.map(|wall| [wall.position(theta), wall.velocity(theta)]);
             let position: Vec<f64> = motion.iter().map(|m| m.position(theta)).collect();
             let velocity: Vec<f64> = motion.iter().map(|m| m.velocity(theta)).collect();
-            let closed = |contact| integrator.was_on(contact);
-            self.take(chain, walls, (&position, &velocity), &closed);
+            let past = |contact| past_of(chain, integrator, contact);
+            self.take(chain, walls, (&position, &velocity), &past);
         }
     }
 
@@ -88,12 +91,12 @@ impl Frames {
         chain: &Chain,
         walls: [[f64; 2]; 2],
         motion: (&[f64], &[f64]),
-        closed: &dyn Fn(usize) -> bool,
+        past: &dyn Fn(usize) -> Past,
     ) {
         let (position, velocity) = motion;
         self.begin(chain);
         for (j, forces) in self.contact_forces.iter_mut().enumerate() {
-            let force = chain.contact_force_between(walls, position, velocity, j, closed(j));
+            let force = chain.contact_force_between(walls, position, velocity, j, past(j));
             forces.push(force);
         }
         for (track, x) in self.displacements.iter_mut().zip(position) {
@@ -101,4 +104,12 @@ impl Frames {
         }
         self.count += 1;
     }
+}
+
+/// What decides on the force of a contact of `chain` over the integrator's last step beside its
+/// motion.
+pub(super) fn past_of(chain: &Chain, integrator: &dyn Integrator, contact: usize) -> Past {
+    let account = chain.accounts().plastic.map(|first| first + contact);
+    let largest = account.map_or(0.0, |place| integrator.interpolant(place).velocity(0.0));
+    Past { closed: integrator.was_on(contact), largest }
 }

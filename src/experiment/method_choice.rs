@@ -93,7 +93,7 @@ fn two_step(chain: &Chain, accuracy: f64) -> Option<Method> {
 pub fn controlled_for(chain: &Chain, velocities: &[f64], accuracy: f64) -> Method {
     if !chain.needs_general_method() {
         for_accuracy(accuracy)
-    } else if chain.has_moving_walls() {
+    } else if chain.needs_explicit_method() {
         Method::DormandPrince853 { tolerance: accuracy / LOSS_MARGIN }
     } else if accuracy > LOOSE_ACCURACY || chain.largest_damping(velocities) > STIFF_DAMPING {
         Method::Rodas { tolerance: accuracy / STIFF_LOSS_MARGIN }
@@ -110,7 +110,7 @@ pub fn for_accuracy(accuracy: f64) -> Method {
 /// Whether `method` may serve `chain`: forces that follow from more than positions need a general
 /// one, and the implicit one knows the tangents of losses alone.
 pub(crate) fn serves(chain: &Chain, method: Method) -> bool {
-    if chain.has_moving_walls() {
+    if chain.needs_explicit_method() {
         method.suits(true) && method.suits(false)
     } else {
         method.suits(chain.is_dissipative())
@@ -131,8 +131,8 @@ fn is_preloaded(chain: &Chain, velocities: &[f64]) -> bool {
 /// [`RunError`] where the method is not made for losses, or for nothing else, and where its step is
 /// too long for them.
 fn refuse(scene: &Scene, method: Method) -> Result<(), RunError> {
-    if scene.chain.has_moving_walls() && !serves(&scene.chain, method) {
-        let losses = "a drive, rod or plate".to_owned();
+    if scene.chain.needs_explicit_method() && !serves(&scene.chain, method) {
+        let losses = "a drive, rod, plate or plastic contacts".to_owned();
         let (method, expected) = (method.name(), FOR_MOVING_WALLS);
         return Err(RunError::NotForLosses { method, losses, expected });
     }

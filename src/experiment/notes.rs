@@ -193,7 +193,7 @@ fn yielding(chain: &Chain, forces: &[f64]) -> Option<Note> {
     let mut count = 0;
     for (j, (contact, &most)) in chain.contacts().iter().zip(forces).enumerate() {
         let Some(limit) = contact.yield_force else { continue };
-        if most > limit {
+        if most > limit && contact.plastic.is_none() {
             count += 1;
             if worst.is_none_or(|(force, other, _)| most / limit > force / other) {
                 worst = Some((most, limit, j));
@@ -204,7 +204,7 @@ fn yielding(chain: &Chain, forces: &[f64]) -> Option<Note> {
     let (upper, lower) = chain.beside(j);
     let exceed = if count == 1 { "contact exceeds" } else { "contacts exceed" };
     let sentence = format!(
-        "{count} {exceed} the force at which the softer body yields ({} between {upper} and {lower}, yields at {}): plastic deformation is not simulated, real peaks will be lower",
+        "{count} {exceed} the force at which the softer body yields ({} between {upper} and {lower}, yields at {}): [effects.plasticity] is off, real peaks will be lower",
         engineering(force, "N", 3),
         engineering(limit, "N", 2)
     );

@@ -11,19 +11,19 @@
 //! another switch: a kink.
 //!
 //! Walls that move ([`Support`]) have accounts, too: one for the work that each does, one for the
-//! displacement of a wall that gives way, `x_w' = F/Z + 2 g`, and one for the time, of which a drive's
-//! displacement is a function, so that the equations stay autonomous. What has departed into a rod
-//! is kept, step by step, until its far end returns it.
+//! displacement of a wall that gives way, `x_w' = F/Z + 2 g`, and one for the time, of which a
+//! drive's displacement is a function, so that the equations stay autonomous. What has departed
+//! into a rod is kept, step by step, until its far end returns it.
 
 use std::collections::VecDeque;
 
 use super::hermite::{COEFFICIENTS, Interpolant, horner, nodes, through_nodes};
-use super::system::{Linearised, Motion, Scales, Sides, Switching, System, Tridiagonal};
+use super::system::{Linearised, Motion, Scales, Sides, Switching, System, Tridiagonal, Turning};
 use super::two_step::pacing;
 use crate::chain::loss::{KINDS, Tangent, Touch};
 use crate::chain::{
-    ACCOUNTS, Accounts, Chain, Contact, ContactLoss, EndAccounts, EndOfContact, Law, Pull, State,
-    Support, into_chain,
+    ACCOUNTS, Accounts, Chain, Contact, ContactLoss, EndAccounts, EndOfContact, Law, Past, Pull,
+    State, Support, Unloading, YieldLaw, into_chain,
 };
 
 /// A force below this share of its parts is zero but for rounding (1).
@@ -31,6 +31,23 @@ const ROUNDING_SHARE: f64 = 1e-10;
 
 /// Iterations for the force on a wall that gives way under a contact with losses, at most.
 const WALL_ITERATIONS: usize = 50;
+
+/// How a contact that may yield loads.
+#[derive(Debug, Clone, Copy)]
+struct Yielding {
+    law: YieldLaw,
+    /// Largest overlap beyond first yield so far; 0 where it has not yielded (m).
+    largest: f64,
+    /// How it unloads from there; none on first loading.
+    unloading: Option<Unloading>,
+}
+
+impl Yielding {
+    /// Overlap beyond which it yields (m).
+    fn level(&self) -> f64 {
+        self.largest.max(self.law.first_overlap())
+    }
+}
 
 /// A wall that moves.
 #[derive(Debug, Clone)]
@@ -60,11 +77,13 @@ impl Wall {
 }
 
 /// What may change within a run, of a contact: it closes or opens; its force turns into a pull,
-/// where it is held, or presses again.
+/// where it is held, or presses again; it goes from first loading, where it may yield, to unloading
+/// or back.
 #[derive(Debug, Clone, Copy)]
 enum Change {
     Closes(usize),
     Pulls(usize),
+    Yields(usize),
 }
 
 /// A chain ready to be integrated.
@@ -80,6 +99,8 @@ pub struct ChainSystem {
     /// Whether each contact counts as closed, and whether it is held at zero force.
     closed: Vec<bool>,
     held: Vec<bool>,
+    /// How contacts load that may yield, none of others.
+    yielding: Vec<Option<Yielding>>,
     switches: Vec<Change>,
     /// Speed that stands for one joule in the accounts, so that the error control weighs them as it
     /// does speeds (m/s/J).
@@ -109,7 +130,17 @@ impl ChainSystem {
         // Whether a contact touches is decided before whether it pulls.
         let closes = losses().filter(|(_, loss)| loss.jumps()).map(|(j, _)| Change::Closes(j));
         let pulls = losses().filter(|(_, loss)| loss.end == EndOfContact::ZeroForce);
-        let switches = closes.chain(pulls.map(|(j, _)| Change::Pulls(j))).collect();
+        let yields = contacts.iter().enumerate().filter(|(_, contact)| contact.plastic.is_some());
+        let yields = yields.map(|(j, _)| Change::Yields(j));
+        let switches = closes.chain(pulls.map(|(j, _)| Change::Pulls(j))).chain(yields).collect();
+        let start = chain.initial_state(initial_velocity);
+        let yielding = |(j, contact): (usize, &Contact)| {
+            let law = contact.plastic?;
+            let largest = chain.largest_overlap_of(&start, j);
+            let unloading = (largest > 0.0).then(|| law.unloading(largest));
+            Some(Yielding { law, largest, unloading })
+        };
+        let yielding = contacts.iter().enumerate().map(yielding).collect();
         let residual = chain.residual().iter().zip(chain.bodies());
         let accounts = chain.accounts();
         let wall = |end: usize| {
@@ -128,6 +159,7 @@ impl ChainSystem {
             is_lossy: chain.is_dissipative(),
             closed: vec![true; contacts.len()],
             held: vec![false; contacts.len()],
+            yielding,
             switches,
             unit: chain.account_unit(initial_velocity),
             tangents: vec![Tangent::default(); contacts.len()],
@@ -203,11 +235,11 @@ impl ChainSystem {
         }
     }
 
-    /// Change of the force in contact `j`, beside a wall of this mobility (m/N/s) that would close it
-    /// at `closing` (m/s) if it did not give way (N).
+    /// Change of the force in contact `j`, beside a wall of this mobility (m/N/s) that would close
+    /// it at `closing` (m/s) if it did not give way (N).
     fn force_on_yielding(&self, j: usize, change: f64, closing: f64, mobility: f64) -> f64 {
         let contact = &self.contacts[j];
-        let elastic = contact.force_change(change);
+        let elastic = self.elastic_change(j, change);
         if contact.loss.is_none() {
             return elastic;
         }
@@ -216,10 +248,12 @@ impl ChainSystem {
         }
         // Newton's method on `F = F(closing - F/Z)`, whose difference has a slope of at least 1.
         let free = Contact { loss: contact.loss.map(ContactLoss::unheld_end), ..*contact };
+        let largest = self.yielding[j].filter(|y| y.unloading.is_some()).map_or(0.0, |y| y.largest);
+        let past = Past { closed: self.closed[j], largest };
         let mut force = elastic;
         for _ in 0..WALL_ITERATIONS {
             let (found, [_, damping]) =
-                free.lossy_change_and_slopes(change, closing - mobility * force, self.closed[j]);
+                free.lossy_change_and_slopes(change, closing - mobility * force, past);
             let step = (force - found) / (1.0 + mobility * damping);
             force -= step;
             if step.abs() <= f64::EPSILON * force.abs() {
@@ -229,8 +263,8 @@ impl ChainSystem {
         force
     }
 
-    /// How contact `j` stands and moves, of bodies at these positions (m) and velocities (m/s), with
-    /// the accounts behind them.
+    /// How contact `j` stands and moves, of bodies at these positions (m) and velocities (m/s),
+    /// with the accounts behind them.
     fn contact_motion(&self, j: usize, position: &[f64], velocity: &[f64]) -> Motion {
         let (x, v) = (self.of_bodies(position), self.of_bodies(velocity));
         let mut motion = Motion { difference: difference(x, j), rate: difference(v, j) };
@@ -242,8 +276,29 @@ impl ChainSystem {
         motion
     }
 
+    /// Change of the elastic force of contact `j` by a `change` of its overlap (m) (N).
+    fn elastic_change(&self, j: usize, change: f64) -> f64 {
+        let contact = &self.contacts[j];
+        match &self.yielding[j] {
+            None => contact.force_change(change),
+            Some(Yielding { unloading: None, .. }) => contact.loading_change(change).0,
+            Some(Yielding { unloading: Some(unloading), .. }) => {
+                let (force, _) = unloading.force_and_slope(contact.static_overlap + change);
+                force - contact.static_force
+            }
+        }
+    }
+
+    /// How far contact `j` is from opening where it has closed by `change` (m) (m).
+    fn overlap(&self, j: usize, change: f64) -> f64 {
+        let residual = self.yielding[j].and_then(|yielding| yielding.unloading);
+        self.contacts[j].static_approach() + change - residual.map_or(0.0, |u| u.residual)
+    }
+
     fn touch(&self, j: usize, motion: Motion) -> Touch {
-        self.contacts[j].touch(motion.difference, motion.rate, self.closed[j])
+        let elastic = self.contacts[j].static_force + self.elastic_change(j, motion.difference);
+        let overlap = self.overlap(j, motion.difference);
+        Touch { overlap, closing: motion.rate, elastic, closed: self.closed[j] }
     }
 }
 
@@ -266,7 +321,7 @@ impl System for ChainSystem {
             if let Some(end) = end {
                 change += into_chain(end) * walls[end][0];
             }
-            let mut force = contact.force_change(change);
+            let mut force = self.elastic_change(j, change);
             if let Some(loss) = contact.loss {
                 if self.held[j] {
                     force = -contact.static_force;
@@ -275,7 +330,7 @@ impl System for ChainSystem {
                     if let Some(end) = end {
                         closing += into_chain(end) * walls[end][1];
                     }
-                    let overlap = contact.static_approach() + change;
+                    let overlap = self.overlap(j, change);
                     let touch = Touch { overlap, closing, elastic: 0.0, closed: self.closed[j] };
                     for (power, term) in power.iter_mut().zip(loss.terms(contact.stiffness, touch))
                     {
@@ -336,10 +391,16 @@ impl System for ChainSystem {
         self.contacts.iter().enumerate().any(|(j, contact)| {
             let [from, to] =
                 [from, to].map(|state| self.contact_motion(j, &state.position, &state.velocity));
-            let is_open = |of: Motion| contact.static_approach() + of.difference < 0.0;
+            let is_open = |of: Motion| self.overlap(j, of.difference) < 0.0;
+            let bends = |of: Motion| {
+                let overlap = contact.static_overlap + of.difference;
+                self.yielding[j].is_some_and(|yielding| overlap > yielding.level())
+            };
             let opens = contact.law == Law::Hertz && is_open(from) != is_open(to);
             let turns = || (from.rate > 0.0) != (to.rate > 0.0);
-            opens || (contact.loss.is_some_and(|loss| loss.power_force > 0.0) && turns())
+            opens
+                || bends(from) != bends(to)
+                || (contact.loss.is_some_and(|loss| loss.power_force > 0.0) && turns())
         })
     }
 
@@ -403,7 +464,8 @@ impl System for ChainSystem {
     }
 
     fn linearised(&mut self) -> Option<&mut dyn Linearised> {
-        if self.is_lossy && self.accounts.clock.is_none() { Some(self) } else { None }
+        let has_tangents = self.accounts.clock.is_none() && self.accounts.plastic.is_none();
+        if self.is_lossy && has_tangents { Some(self) } else { None }
     }
 }
 
@@ -418,7 +480,7 @@ impl ChainSystem {
     /// have.
     fn of(&self, switch: usize) -> (Change, usize, &Contact, ContactLoss) {
         let change = self.switches[switch];
-        let (Change::Closes(j) | Change::Pulls(j)) = change;
+        let (Change::Closes(j) | Change::Pulls(j) | Change::Yields(j)) = change;
         let contact = &self.contacts[j];
         (change, j, contact, contact.loss.unwrap_or(ContactLoss::NONE))
     }
@@ -439,13 +501,19 @@ impl Switching for ChainSystem {
         match self.switches[switch] {
             Change::Closes(j) => self.closed[j],
             Change::Pulls(j) => !self.held[j],
+            Change::Yields(j) => self.yielding[j].is_none_or(|y| y.unloading.is_none()),
         }
     }
 
     fn flip(&mut self, switch: usize, state: &mut State) {
         let (what, j, contact, _) = self.of(switch);
         let change = self.contact_motion(j, &state.position, &state.velocity).difference;
-        let kept = self.unit * contact.energy(change);
+        let overlap = contact.static_overlap + change;
+        let kept = match &self.yielding[j] {
+            Some(yielding) => yielding.law.energy(overlap, yielding.largest),
+            None => contact.energy(change),
+        };
+        let kept = self.unit * kept;
         let before = self.held[j];
         match what {
             Change::Closes(_) => {
@@ -454,6 +522,17 @@ impl Switching for ChainSystem {
                 self.held[j] &= !self.closed[j];
             }
             Change::Pulls(_) => self.held[j] = !before,
+            Change::Yields(_) => {
+                let account = self.accounts.plastic.and_then(|at| state.velocity.get_mut(at + j));
+                let (Some(yielding), Some(account)) = (&mut self.yielding[j], account) else {
+                    return;
+                };
+                if yielding.unloading.take().is_none() {
+                    yielding.largest = yielding.level().max(overlap);
+                    yielding.unloading = Some(yielding.law.unloading(yielding.largest));
+                    *account = yielding.largest;
+                }
+            }
         }
         let account = self.accounts.losses.map(|first| first + ACCOUNTS - 1);
         let account = account.and_then(|place| state.velocity.get_mut(place));
@@ -466,29 +545,56 @@ impl Switching for ChainSystem {
         let place = match self.switches[switch] {
             Change::Closes(j) => j,
             Change::Pulls(j) => self.contacts.len() + j,
+            Change::Yields(j) => 2 * self.contacts.len() + j,
         };
         let j = place % self.contacts.len();
         Sides { above: j.checked_sub(1), below: Some(j).filter(|i| *i < self.bodies()), place }
     }
 
     fn motion(&self, switch: usize, state: &State) -> Motion {
-        let (Change::Closes(j) | Change::Pulls(j)) = self.switches[switch];
+        let (Change::Closes(j) | Change::Pulls(j) | Change::Yields(j)) = self.switches[switch];
         self.contact_motion(j, &state.position, &state.velocity)
+    }
+
+    fn turning(&self, switch: usize) -> Turning {
+        let Change::Yields(j) = self.switches[switch] else { return Turning::Irrelevant };
+        match &self.yielding[j] {
+            Some(yielding) if yielding.unloading.is_none() => {
+                Turning::Changes(yielding.level() - self.contacts[j].static_overlap)
+            }
+            _ => Turning::MayChange,
+        }
     }
 
     fn margin(&self, switch: usize, motion: Motion) -> f64 {
         match self.of(switch) {
-            (Change::Closes(_), _, contact, _) => contact.static_approach() + motion.difference,
+            (Change::Closes(_), j, ..) => self.overlap(j, motion.difference),
             (Change::Pulls(_), j, _, loss) => self.unheld(j, loss, motion).0,
+            (Change::Yields(_), j, contact, _) => match self.yielding[j] {
+                Some(Yielding { unloading: Some(_), largest, .. }) => {
+                    contact.static_overlap + motion.difference - largest
+                }
+                _ => 1.0,
+            },
         }
     }
 
     fn is_wrong(&self, switch: usize, motion: Motion) -> bool {
         let (change, j, contact, loss) = self.of(switch);
-        let overlap = contact.static_approach() + motion.difference;
+        let overlap = self.overlap(j, motion.difference);
         match change {
             Change::Closes(_) if self.closed[j] => overlap < 0.0 && motion.rate < 0.0,
             Change::Closes(_) => overlap >= 0.0 && motion.rate > 0.0,
+            Change::Yields(_) => {
+                let overlap = contact.static_overlap + motion.difference;
+                self.yielding[j].is_some_and(|yielding| match yielding.unloading {
+                    Some(_) => overlap > yielding.largest && motion.rate > 0.0,
+                    None => {
+                        let is_beyond = overlap > yielding.level() || yielding.largest > 0.0;
+                        is_beyond && motion.rate < 0.0
+                    }
+                })
+            }
             Change::Pulls(_) => {
                 let (force, parts) = self.unheld(j, loss, motion);
                 let rounding = ROUNDING_SHARE * parts;
@@ -509,6 +615,10 @@ impl Switching for ChainSystem {
                 loss.force(contact.stiffness, touch)
             }
             Change::Pulls(_) => self.margin(switch, beyond),
+            Change::Yields(_) => {
+                contact.loading_change(beyond.difference).0
+                    - self.elastic_change(j, beyond.difference)
+            }
         };
         let masses = [j.checked_sub(1), Some(j)].map(|i| i.and_then(|i| self.masses.get(i)));
         force.abs() / masses.into_iter().flatten().fold(f64::INFINITY, |least, m| least.min(*m))
@@ -528,7 +638,7 @@ impl Linearised for ChainSystem {
             let Some(loss) = contact.loss else {
                 return Tangent { stiffness, ..Tangent::default() };
             };
-            let touch = contact.touch(change, closing, self.closed[j]);
+            let touch = contact.touch(change, closing, Past::of(self.closed[j]));
             loss.tangent_as((contact.stiffness, stiffness), touch, self.held[j])
         };
         self.tangents = self.contacts.iter().enumerate().map(tangent).collect();

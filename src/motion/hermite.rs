@@ -34,7 +34,8 @@ impl Interpolant {
     }
 }
 
-/// Fractions of a step at which a motion known by its values is interpolated: Chebyshev's nodes.
+/// Fractions of a step at which a motion is interpolated that is known by its values: Chebyshev's
+/// nodes (1).
 pub fn nodes() -> [f64; COEFFICIENTS] {
     std::array::from_fn(|i| {
         let angle = std::f64::consts::PI * (i as f64 + 0.5) / COEFFICIENTS as f64;
@@ -42,7 +43,7 @@ pub fn nodes() -> [f64; COEFFICIENTS] {
     })
 }
 
-/// Coefficients of the polynomial with these values at [`nodes`], by divided differences.
+/// Coefficients of the polynomial with these values at [`nodes`], by divided differences (unit).
 pub fn through_nodes(values: [f64; COEFFICIENTS]) -> [f64; COEFFICIENTS] {
     let (nodes, mut differences) = (nodes(), values);
     for order in 1..COEFFICIENTS {
@@ -167,6 +168,7 @@ fn rises(from: End, to: End, h: f64) -> (f64, f64, f64) {
     (p, q, r)
 }
 
+/// Rate of a polynomial over a step of length `h` (s), whose coefficients are these (unit).
 pub fn derivative(position: &[f64; COEFFICIENTS], h: f64) -> [f64; COEFFICIENTS] {
     let mut velocity = [0.0; COEFFICIENTS];
     if h > 0.0 {

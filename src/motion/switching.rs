@@ -16,7 +16,7 @@
 
 use super::hermite::Interpolant;
 use super::integrator::{IntegrateError, Integrator, Restart, Work};
-use super::system::{Motion, Sides};
+use super::system::{Motion, Sides, Turning};
 use crate::chain::State;
 
 /// Samples of a margin within a step.
@@ -133,7 +133,11 @@ impl<I: Restart> Switched<I> {
             |switch| [&self.state, &self.reached].map(|state| system.motion(switch, state));
         self.ends.extend((0..self.sides.len()).map(motions));
         for (switch, (ends, on)) in self.ends.iter().zip(&self.on).enumerate() {
-            if !stays_clear(*ends, length, |motion| system.margin(switch, motion), *on) {
+            let turns = ends[0].rate > 0.0 && ends[1].rate < 0.0;
+            let may_change = turns && system.turning(switch) != Turning::Irrelevant;
+            if may_change
+                || !stays_clear(*ends, length, |motion| system.margin(switch, motion), *on)
+            {
                 self.unclear.push(switch);
             }
         }
@@ -157,11 +161,23 @@ impl<I: Restart> Switched<I> {
                 rate: above.velocity(theta) - below.velocity(theta),
             };
             let system = self.inner.system().switching()?;
+            let [from, to] = self.ends[switch];
+            let turning = system.turning(switch);
+            let turns = from.rate > 0.0 && to.rate < 0.0 && turning != Turning::Irrelevant;
+            let turn = turns.then(|| root(&|theta| motion(theta).rate < 0.0, 0.0, 1.0));
+            if let Turning::Changes(level) = turning {
+                let turn = turn.filter(|theta| motion(*theta).difference > level);
+                let is_first = |theta: &f64| first.is_none_or(|(earliest, _)| *theta < earliest);
+                if let Some(theta) = turn.filter(is_first) {
+                    first = Some((theta, switch));
+                }
+                continue;
+            }
             let wrong = |theta: f64| (system.margin(switch, motion(theta)) >= 0.0) != on;
             let (mut before, mut at) = (0.0, None);
             // What is negligible when it is seen first need not be so by the end of the step.
-            for sample in 1..=SAMPLES {
-                let theta = f64::from(sample) / f64::from(SAMPLES);
+            let samples = (1..=SAMPLES).map(|sample| f64::from(sample) / f64::from(SAMPLES));
+            for theta in turn.into_iter().chain(samples) {
                 if !wrong(theta) {
                     before = theta;
                     continue;

@@ -117,6 +117,17 @@ pub struct Motion {
     pub rate: f64,
 }
 
+/// What the turn of two bodies, from closing to parting, means for a switch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Turning {
+    /// Nothing.
+    Irrelevant,
+    /// The switch's margin may have the other sign there and nowhere else in the step.
+    MayChange,
+    /// The switch changes there if the difference of the bodies' positions exceeds this (m).
+    Changes(f64),
+}
+
 /// A system with switches.
 pub trait Switching {
     /// How many there are.
@@ -134,6 +145,12 @@ pub trait Switching {
     /// How the bodies of `switch` stand and move in `state`.
     fn motion(&self, switch: usize, state: &State) -> Motion {
         self.sides(switch).of(state)
+    }
+
+    /// Whether `switch` changes where its bodies turn.
+    fn turning(&self, switch: usize) -> Turning {
+        let _ = switch;
+        Turning::Irrelevant
     }
 
     /// What is zero where `switch` should change, and not negative where it should be on (unit).

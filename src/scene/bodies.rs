@@ -9,6 +9,7 @@ use super::library;
 use super::problem::one_of;
 use super::table::{Bound, Key, Places, TableReader};
 use super::table::{any, count, list_of, quantity, table, table_of, text, texts, word, words};
+use crate::chain::hertz::YIELD_PRESSURE_FACTOR;
 use crate::chain::{Backing, Body, Chain, ChainError, ChainSpec, Elasticity, End, Support};
 use crate::note::Note;
 use crate::quantity::{Dimension, engineering};
@@ -31,8 +32,10 @@ table! {
         poissons_ratio: f64 = quantity(Dimension::NONE, Bound::Between(-1.0, 0.5)).required(),
         /// needed for bodies without a mass
         density: f64 = quantity(Dimension::DENSITY, Bound::DENSITY),
-        /// default: none, no note on yielding
+        /// in slow uniaxial loading; default: unknown, contacts stay elastic
         yield_strength: f64 = quantity(Dimension::PRESSURE, Bound::Positive),
+        /// instead: pressure in the middle of a contact that begins to yield, 1.6 times that
+        yield_pressure: f64 = quantity(Dimension::PRESSURE, Bound::Positive),
     }
 }
 
@@ -46,6 +49,8 @@ table! {
         diameter: f64 = quantity(Dimension::LENGTH, Bound::LENGTH),
         /// makes it a cylinder with flat faces
         height: f64 = quantity(Dimension::LENGTH, Bound::LENGTH),
+        /// of a cylinder that lies across the chain, around the chain's axis, in degrees
+        axis_deg: f64 = quantity(Dimension::NONE, Bound::Within(-180.0, 180.0)),
         /// default: that of shape and density
         mass: f64 = quantity(Dimension::MASS, Bound::MASS),
     }
@@ -180,7 +185,12 @@ fn material(table: &TableReader<'_>) -> Option<Material> {
     let keys = MaterialKeys::read(table);
     let elasticity =
         Elasticity { youngs_modulus: keys.youngs_modulus?, poissons_ratio: keys.poissons_ratio? };
-    Some(Material { elasticity, yield_strength: keys.yield_strength, density: keys.density })
+    if table.has("yield_strength") && table.has("yield_pressure") {
+        table.problem("yield_pressure", "both yield_strength and yield_pressure", "one of them");
+    }
+    let by_pressure = keys.yield_pressure.map(|pressure| pressure / YIELD_PRESSURE_FACTOR);
+    let yield_strength = keys.yield_strength.or(by_pressure);
+    Some(Material { elasticity, yield_strength, density: keys.density })
 }
 
 /// Reads a body, and its diameter if it has one (m); without a mass it has that of the shape and
@@ -203,7 +213,14 @@ fn body(
     {
         return None;
     }
+    let axis = keys.axis_deg.map(f64::to_radians);
+    if axis.is_some() && (diameter.is_none() || height.is_none()) {
+        let expected = "a cylinder, with diameter and height";
+        table.problem("axis_deg", "the axis of a body that is no cylinder", expected);
+        return None;
+    }
     let (length, curvature) = match (diameter, height) {
+        (Some(diameter), Some(_)) if axis.is_some() => (diameter, 2.0 / diameter),
         (_, Some(height)) => (height, 0.0),
         (Some(diameter), None) => (diameter, 2.0 / diameter),
         (None, None) => (0.0, 0.0),
@@ -241,8 +258,15 @@ fn body(
         materials.notes.borrow_mut().push(note);
     }
     let Material { elasticity, yield_strength, .. } = material?;
-    let body =
-        Body { name: name.into(), mass: mass?, length, curvature, elasticity, yield_strength };
+    let body = Body {
+        name: name.into(),
+        mass: mass?,
+        length,
+        curvature,
+        axis,
+        elasticity,
+        yield_strength,
+    };
     Some((body, diameter))
 }
 

@@ -12,8 +12,8 @@ use crate::chain::{Carrier, Drive, Signal, Support};
 use crate::quantity::{Dimension, engineering};
 use crate::scope::front_end::noise_stream;
 
-/// Names of the generator's outputs, which channels take as inputs beside sensors: its signal, and a
-/// pulse as long as the signal lasts.
+/// Names of the generator's outputs, which channels take as inputs beside sensors: its signal, and
+/// a pulse as long as the signal lasts.
 pub const OUTPUTS: [&str; 2] = ["generator", "sync"];
 /// Most sines that a band of noise is made of: the time of a run grows with them.
 const MAX_TONES: f64 = 10_000.0;

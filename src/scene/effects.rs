@@ -14,7 +14,7 @@ use super::table::{
 };
 use crate::chain::{
     ContactOverride, EffectsSpec, EndOfContact, Gravity, LOSS_MODELS, LinearisedContacts, LossSpec,
-    MagnetForce, MagnetLaw, MagnetPreload, PlacedAt, PlacedMagnet,
+    MagnetForce, MagnetLaw, MagnetPreload, PlacedAt, PlacedMagnet, PlasticModel, Plasticity,
 };
 use crate::magnet::Magnet;
 use crate::quantity::{Dimension, engineering};
@@ -97,6 +97,8 @@ table! {
             effect(&[SWITCH, MagnetPlaceKeys::KEYS, RingKeys::KEYS, TableKeys::KEYS]),
         /// default with a described magnet: its force follows the particle
         magnet_law: Effect<NoKeys<'a>> = effect(&[AUTO_SWITCH, NoKeys::KEYS]),
+        /// contacts that yield where their softer body has a yield_strength
+        plasticity: Effect<PlasticityKeys<'a>> = effect(&[AUTO_SWITCH, PlasticityKeys::KEYS]),
         /// contacts as springs about the static state
         linearised_contacts: Effect<NoKeys<'a>> = effect(&[SWITCH, NoKeys::KEYS]),
     }
@@ -140,6 +142,44 @@ table! {
         permittivity_coefficient: f64 = quantity(Dimension::PER_TEMPERATURE, Bound::Any),
         d33_coefficient: f64 = quantity(Dimension::PER_TEMPERATURE, Bound::Any),
     }
+}
+
+table! {
+    /// `[effects.plasticity]`.
+    pub struct PlasticityKeys<'a> {
+        /// or "walton_braun", with a restitution
+        model: PlasticLaw = word::<PlasticLaw>().required().needs("\"thornton\" or \"walton_braun\""),
+        /// of walton_braun, at any speed
+        restitution: f64 = quantity(Dimension::NONE, Bound::Within(0.01, 1.0)),
+    }
+}
+
+/// A law of plastic contacts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PlasticLaw {
+    /// Hertz's law up to first yield, a straight line beyond.
+    Thornton,
+    /// Straight lines.
+    WaltonBraun,
+}
+
+words! { PlasticLaw { "thornton" => Thornton, "walton_braun" => WaltonBraun } }
+
+fn plasticity(keys: &PlasticityKeys<'_>) -> Option<Plasticity> {
+    let model = match keys.model? {
+        PlasticLaw::Thornton => {
+            if keys.table.has("restitution") {
+                let expected = "none: Thornton's law makes its own, by the yield strength";
+                keys.table.problem("restitution", "a restitution", expected);
+            }
+            PlasticModel::Thornton
+        }
+        PlasticLaw::WaltonBraun => {
+            keys.table.require(PlasticityKeys::KEYS, "restitution");
+            PlasticModel::WaltonBraun(keys.restitution?)
+        }
+    };
+    Some(Plasticity { model })
 }
 
 words! {
@@ -271,11 +311,13 @@ pub fn effects(
         magnet_law: (is_described && !law_is_off).then_some(MagnetLaw),
         magnet_preload,
         losses,
+        plasticity: on(keys.plasticity.as_ref(), plasticity),
         ..EffectsSpec::default()
     };
     let states = [
         ("gravity", keys.gravity.as_ref().map(|effect| effect.state)),
         ("magnet_law", keys.magnet_law.as_ref().map(|effect| effect.state)),
+        ("plasticity", keys.plasticity.as_ref().map(|effect| effect.state)),
     ];
     let losses = LOSS_MODELS.iter().zip(&effects);
     let losses = losses.map(|(model, effect)| (model.name, effect.as_ref().map(|e| e.state)));

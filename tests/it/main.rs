@@ -42,6 +42,7 @@ mod numbers;
 mod order;
 mod paper;
 mod physics;
+mod plasticity;
 mod pulses;
 mod random_scenes;
 mod recordings;

@@ -243,7 +243,7 @@ impl ChosenMethod {
 /// The integrator's error where no two methods come to an end, in words.
 pub fn reference(scene: &Scene) -> Result<(Run<'_>, Reference), String> {
     let tolerance = REFERENCE_TOLERANCE;
-    let methods = if scene.chain.has_moving_walls() {
+    let methods = if scene.chain.needs_explicit_method() {
         vec![Method::DormandPrince54 { tolerance }, Method::DormandPrince853 { tolerance }]
     } else if scene.chain.is_dissipative() {
         vec![

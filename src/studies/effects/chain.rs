@@ -4,7 +4,7 @@ use super::trial::{EffectTrial, of_chain};
 use super::{BaselineRun, EffectFinding, EffectState, LedgerEntry};
 use crate::chain::{
     Body, Contact, Gravity, LinearisedContacts, LossKind, MagnetForce, MagnetLaw, PlacedAt,
-    PlacedMagnet, Support,
+    PlacedMagnet, PlasticModel, Plasticity, Support,
 };
 use crate::measurement::metadata::mass_without_sensor;
 use crate::quantity::engineering;
@@ -302,16 +302,27 @@ pub fn plasticity(subject: &BaselineRun<'_>) -> LedgerEntry {
         Some(forces.iter().copied().fold(0.0, f64::max) / limit)
     });
     let value = ratios.reduce(f64::max);
-    let reason = match value {
-        Some(value) if value > 1.0 => {
-            "not built: the law is elastic, though contacts exceed the yield load of their softer body; real amplitudes are lower"
+    let is_on = subject.scene.spec.effects.plasticity.is_some();
+    let criterion = "largest contact force / force of first yield";
+    if value.is_none() {
+        let reason = "no material that touches another has a yield_strength".to_owned();
+        return EffectFinding { state: state(is_on), value, reason, trial: None }
+            .entry("plasticity", criterion);
+    }
+    let other = subject.rebuilt(|scene| {
+        let thornton = Plasticity { model: PlasticModel::Thornton };
+        scene.spec.effects.plasticity = (!is_on).then_some(thornton);
+    });
+    let (trial, failed) = against(subject, other, is_on);
+    let words = match (is_on, value) {
+        (true, _) => "on by the scene",
+        (false, Some(value)) if value > 1.0 => {
+            "no table in the scene, though contacts exceed the force at which they yield"
         }
-        Some(_) => "not built, and nothing yields",
-        None => "not built; no material has a yield_strength",
+        _ => "no table in the scene, and nothing yields",
     };
-    let reason = reason.to_owned();
-    EffectFinding { state: EffectState::Off, value, reason, trial: None }
-        .entry("plasticity", "largest contact force / force of first yield")
+    let reason = format!("{words}; compared with thornton{failed}");
+    EffectFinding { state: state(is_on), value, reason, trial }.entry("plasticity", criterion)
 }
 
 /// Mass of plates in their hosts.

@@ -26,6 +26,7 @@ fn sphere(mass: f64) -> Body {
         length: 2.0 * RADIUS,
         curvature: 1.0 / RADIUS,
         elasticity: Elasticity { youngs_modulus: MODULUS, poissons_ratio: 0.0 },
+        axis: None,
         yield_strength: None,
     }
 }
