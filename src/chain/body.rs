@@ -16,8 +16,8 @@ pub struct Body {
     pub length: f64,
     /// Curvature of its faces, `1/R`; 0 is flat (1/m).
     pub curvature: f64,
-    /// Direction of the axis of a cylinder that lies across the chain, around the chain's axis; none
-    /// of other bodies (rad).
+    /// Direction of the axis of a cylinder that lies across the chain, around the chain's axis;
+    /// none of other bodies (rad).
     pub axis: Option<f64>,
     /// Elastic constants.
     pub elasticity: Elasticity,

@@ -43,8 +43,8 @@ impl Face {
     }
 }
 
-/// Stiffness `A` of the contact of two faces in `F = A overlap^1.5` (N/m^1.5), and the radius of the
-/// sphere that would be as stiff on a flat (m); both infinite where no curved face is.
+/// Stiffness `A` of the contact of two faces in `F = A overlap^1.5` (N/m^1.5), and the radius of
+/// the sphere that would be as stiff on a flat (m); both infinite where no curved face is.
 pub fn stiffness(upper: Face, lower: Face) -> (f64, f64) {
     if upper.axis.is_none() && lower.axis.is_none() {
         let sides = [upper, lower].map(|face| (face.elasticity, face.curvature));
@@ -159,8 +159,8 @@ mod tests {
         }
     }
 
-    /// A sphere on a cylinder of immense radius is one on a flat; on a cylinder of its own radius, the
-    /// contact is stiffer than one of two spheres and softer than that.
+    /// A sphere on a cylinder of immense radius is one on a flat; on a cylinder of its own radius,
+    /// the contact is stiffer than one of two spheres and softer than that.
     #[test]
     fn a_sphere_on_a_cylinder_is_between_two_spheres_and_a_flat() {
         let sphere = Face { elasticity: STEEL, curvature: 1e3, axis: None };

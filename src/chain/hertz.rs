@@ -36,8 +36,8 @@ pub fn stiffness(upper: (Elasticity, f64), lower: (Elasticity, f64)) -> f64 {
 pub const YIELD_PRESSURE_FACTOR: f64 = 1.6;
 
 /// Force at which the softer body begins to yield below the surface: `pi^3 R^2 p0^3 / (6 Estar^2)`,
-/// `p0 = 1.6 Y`, `Y` its `yield_strength` (Pa) in slow uniaxial loading, `Estar` the reduced modulus
-/// (Pa) and `R` the reduced radius (m) (N).
+/// `p0 = 1.6 Y`, `Y` its `yield_strength` (Pa) in slow uniaxial loading, `Estar` the reduced
+/// modulus (Pa) and `R` the reduced radius (m) (N).
 ///
 /// Source: K. L. Johnson, Contact Mechanics (1985), section 6.1; 1.6 holds for Poisson's ratio 0.3
 /// and rises by a tenth towards 0.5. Materials that creep yield later in short impacts.

@@ -57,6 +57,14 @@ impl ForceProbe {
         Some(Self::at(chain, above, contacts, [0.0, 1.0]))
     }
 
+    /// The net force of both contacts on particle `particle` (from 1), which accelerates it.
+    pub fn net(chain: &Chain, particle: usize) -> Option<Self> {
+        let body = chain.body_of(particle);
+        let contacts = [*chain.contacts().get(body)?, *chain.contacts().get(body + 1)?];
+        chain.bodies().get(body)?;
+        Some(Self::at(chain, body, contacts, [1.0, -1.0]))
+    }
+
     fn at(chain: &Chain, body: usize, [above, below]: [Contact; 2], weights: [f64; 2]) -> Self {
         let contact = |j: Option<usize>| {
             j.and_then(|j| chain.contacts().get(j)).copied().unwrap_or(Contact::OPEN)

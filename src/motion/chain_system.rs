@@ -289,6 +289,12 @@ impl ChainSystem {
         }
     }
 
+    /// The smaller mass of the bodies at contact `j` (kg).
+    fn lightest_at(&self, j: usize) -> f64 {
+        let masses = [j.checked_sub(1), Some(j)].map(|i| i.and_then(|i| self.masses.get(i)));
+        masses.into_iter().flatten().fold(f64::INFINITY, |least, m| least.min(*m))
+    }
+
     /// How far contact `j` is from opening where it has closed by `change` (m) (m).
     fn overlap(&self, j: usize, change: f64) -> f64 {
         let residual = self.yielding[j].and_then(|yielding| yielding.unloading);
@@ -566,6 +572,15 @@ impl Switching for ChainSystem {
         }
     }
 
+    fn turn_error(&self, switch: usize, turn: f64, end: Motion) -> f64 {
+        let (_, j, contact, _) = self.of(switch);
+        let Some(Yielding { law, .. }) = self.yielding[j] else { return 0.0 };
+        let unloading = law.unloading(contact.static_overlap + turn);
+        let (unloaded, _) = unloading.force_and_slope(contact.static_overlap + end.difference);
+        let loaded = contact.static_force + contact.loading_change(end.difference).0;
+        (loaded - unloaded).abs() / self.lightest_at(j)
+    }
+
     fn margin(&self, switch: usize, motion: Motion) -> f64 {
         match self.of(switch) {
             (Change::Closes(_), j, ..) => self.overlap(j, motion.difference),
@@ -620,8 +635,7 @@ impl Switching for ChainSystem {
                     - self.elastic_change(j, beyond.difference)
             }
         };
-        let masses = [j.checked_sub(1), Some(j)].map(|i| i.and_then(|i| self.masses.get(i)));
-        force.abs() / masses.into_iter().flatten().fold(f64::INFINITY, |least, m| least.min(*m))
+        force.abs() / self.lightest_at(j)
     }
 }
 

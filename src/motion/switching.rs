@@ -166,7 +166,11 @@ impl<I: Restart> Switched<I> {
             let turns = from.rate > 0.0 && to.rate < 0.0 && turning != Turning::Irrelevant;
             let turn = turns.then(|| root(&|theta| motion(theta).rate < 0.0, 0.0, 1.0));
             if let Turning::Changes(level) = turning {
-                let turn = turn.filter(|theta| motion(*theta).difference > level);
+                let turn = turn.filter(|theta| {
+                    let difference = motion(*theta).difference;
+                    let error = |turn| system.turn_error(switch, turn, to);
+                    difference > level && error(difference) * length > tolerated
+                });
                 let is_first = |theta: &f64| first.is_none_or(|(earliest, _)| *theta < earliest);
                 if let Some(theta) = turn.filter(is_first) {
                     first = Some((theta, switch));

@@ -153,6 +153,13 @@ pub trait Switching {
         Turning::Irrelevant
     }
 
+    /// By how much the acceleration of a body would be wrong at the `end` of a step if `switch` did
+    /// not change where its bodies turned, their positions differing by `turn` (m) (m/s²).
+    fn turn_error(&self, switch: usize, turn: f64, end: Motion) -> f64 {
+        let _ = (switch, turn, end);
+        0.0
+    }
+
     /// What is zero where `switch` should change, and not negative where it should be on (unit).
     fn margin(&self, switch: usize, motion: Motion) -> f64;
 

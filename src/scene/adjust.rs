@@ -13,7 +13,7 @@ use super::document::{
     ANY, Node, Value, at, at_mut, expand, insert, is_in_tables, known, put, quoted, quoted_key,
 };
 use super::library::{self, LoadedScene};
-use super::panel::{CachedPanel, Sources};
+use super::panel::{CachedPanel, inputs};
 use super::problem::{Problem, SceneError, one_of};
 use super::problems::Problems;
 use super::root::RootKeys;
@@ -122,11 +122,8 @@ impl Adjustable {
         let root = &adjustable.loaded.root;
         let keys = TableReader::of(root, "", &[RootKeys::KEYS], &problems);
         let keys = keys.map(|root| RootKeys::read(&root));
-        let panel = keys.and_then(|keys| {
-            let drive = keys.table.has("drive");
-            let sources = Sources { sensors: keys.sensors.as_ref(), drive };
-            CachedPanel::of(keys.scope.as_ref()?, sources, duration)
-        });
+        let panel =
+            keys.and_then(|keys| CachedPanel::of(keys.scope.as_ref()?, inputs(&keys), duration));
         Ok(Self { panel, ..adjustable })
     }
 

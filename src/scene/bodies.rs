@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 
 use super::document::{Node, Value};
 use super::library;
+use super::motion_sensors::Rod;
 use super::problem::one_of;
 use super::table::{Bound, Key, Places, TableReader};
 use super::table::{any, count, list_of, quantity, table, table_of, text, texts, word, words};
@@ -457,6 +458,8 @@ pub struct ReadEnd {
     pub preload: f64,
     /// What is behind a wall.
     pub support: Support,
+    /// A rod behind it.
+    pub rod: Option<Rod>,
 }
 
 /// An end of the chain, `"free"`, `{ wall = "steel" }`, `{ rod = "steel", diameter = "5 mm" }`,
@@ -468,7 +471,7 @@ pub fn end(
     materials: &Materials,
 ) -> Option<ReadEnd> {
     let node = node?;
-    let rigid = |end, preload| Some(ReadEnd { end, preload, support: Support::Rigid });
+    let rigid = |end, preload| Some(ReadEnd { end, preload, support: Support::Rigid, rod: None });
     if matches!(&node.value, Value::Text(text) if &**text == "free") {
         return rigid(End::Free, 0.0);
     }
@@ -520,8 +523,11 @@ pub fn end(
                 table.require(EndKeys::KEYS, "thickness");
                 Backing::plate(end.thickness?, youngs_modulus, poissons_ratio, density)
             };
+            let length = end.length;
             let end = End::Wall(material.elasticity);
-            Some(ReadEnd { end, preload, support: Support::Yielding(backing) })
+            let speed = (youngs_modulus / density).sqrt();
+            let rod = (*kind == "rod").then_some((speed, length));
+            Some(ReadEnd { end, preload, support: Support::Yielding(backing), rod })
         }
     }
 }

@@ -19,6 +19,7 @@ pub mod help;
 mod library;
 #[doc(hidden)]
 pub mod magnets;
+mod motion_sensors;
 mod oscilloscope;
 mod panel;
 pub mod plan;
@@ -35,6 +36,7 @@ mod shot;
 #[doc(hidden)]
 pub mod table;
 mod uncertainty;
+mod vocabulary;
 
 pub use distance::{PlatePlace, Site, distance};
 pub use drive::OUTPUTS as GENERATOR_OUTPUTS;
@@ -51,7 +53,7 @@ use crate::chain::{Chain, ChainSpec, End};
 use crate::note::Note;
 use crate::quantity::engineering;
 use crate::scope::{Deviation, Model, Setup};
-use crate::sensor::SensorTolerance;
+use crate::sensor::{MotionSensor, SensorTolerance};
 use bodies::{ChainKeys, Materials};
 use effects::Effects;
 use oscilloscope::ModelKeys;
@@ -89,6 +91,8 @@ pub struct Scene {
     pub striker_speed_spread: Option<f64>,
     /// Sensors from top to bottom.
     pub sensors: Vec<PlacedSensor>,
+    /// Sensors of motion: vibrometers, accelerometers, strain gauges.
+    pub motion_sensors: Vec<MotionSensor>,
     /// The scope's front panel.
     pub scope: Setup,
     /// How long the bench is watched after the striker's first contact (s).
@@ -199,6 +203,8 @@ fn read(
     let effects = moving.effects;
     let hosts = sensors::SensorHosts { kinds: &moving.kinds, wall: moving.wall };
     let mut sensors = sensors::sensors(root, &places, &hosts);
+    let particles = moving.kinds.len();
+    let motion_sensors = motion_sensors::motion_sensors(&keys, particles, moving.rods);
     for sensor in sensors.iter_mut().filter(|sensor| sensor.site != Site::Wall) {
         sensor.offset_u = uncertainty::of_offset(&uncertainty, &sensor.name, sensor.offset);
     }
@@ -211,8 +217,7 @@ fn read(
         }
     }
     let scope = keys.scope.as_ref().and_then(|table| {
-        let inputs = panel::Sources { sensors: keys.sensors.as_ref(), drive: root.has("drive") };
-        let setup = panel::setup(table, inputs, keys.duration, panel)?;
+        let setup = panel::setup(table, panel::inputs(&keys), keys.duration, panel)?;
         if setup.acquisition.depth() > 1 && effects.spread.is_some() {
             let found = "\"average\" of impacts whose speeds differ";
             let expected = "\"sample\", or no effects.striker_speed_spread";
@@ -237,6 +242,7 @@ fn read(
         initial_velocities: moving.initial_velocities,
         striker_speed_spread: effects.spread,
         sensors,
+        motion_sensors,
         scope,
         duration: keys.duration?,
         frames: keys.frames?,
@@ -253,6 +259,8 @@ fn read(
 struct Moving<'a> {
     kinds: Vec<&'a str>,
     wall: bool,
+    /// Rods behind the walls at the top and at the bottom.
+    rods: [Option<motion_sensors::Rod>; 2],
     effects: Effects,
     initial_velocities: Vec<f64>,
     built: Option<(ChainSpec, Chain)>,
@@ -278,6 +286,7 @@ fn moving<'a>(keys: &RootKeys<'a>, places: &[(&str, PlaceKeys<'_>)]) -> Moving<'
     if let Some(chain) = &chain {
         bodies::no_preload_at_the_bottom(chain);
     }
+    let rods = [&top, &bottom].map(|end| end.as_ref().and_then(|end| end.rod));
     // An end that could not be read may be a wall.
     let walls = [&top, &bottom].map(|e| e.as_ref().is_none_or(|e| matches!(e.end, End::Wall(_))));
     let pairs = bodies::pairs(&particles.kinds, striker.is_some(), walls);
@@ -318,7 +327,7 @@ fn moving<'a>(keys: &RootKeys<'a>, places: &[(&str, PlaceKeys<'_>)]) -> Moving<'
     if keys.effects.as_ref().is_none_or(|effects| !effects.has("gravity")) {
         notes.extend(built.as_ref().and_then(|(_, chain)| weightless(chain)));
     }
-    Moving { kinds: particles.kinds, wall, effects, initial_velocities, built, notes }
+    Moving { kinds: particles.kinds, wall, rods, effects, initial_velocities, built, notes }
 }
 
 /// The note on a chain on a wall without gravity, if its weight would matter to its last contact.

@@ -4,9 +4,11 @@ use std::rc::Rc;
 
 use super::document::{Entries, Node};
 use super::drive::OUTPUTS;
+use super::motion_sensors;
 use super::oscilloscope;
 use super::problem::one_of;
-use super::table::{Bound, NamedTables, TableReader};
+use super::root::RootKeys;
+use super::table::{Bound, TableReader};
 use super::table::{any, count, flag, positive, quantity, table, table_of, text, word, words};
 use crate::quantity::{Dimension, engineering};
 use crate::scope::{
@@ -121,8 +123,7 @@ pub struct CachedPanel {
 
 impl CachedPanel {
     /// The panel of `table` in a scene of this duration (s), if nothing is wrong with it.
-    pub fn of(table: &TableReader<'_>, sources: Sources<'_, '_>, duration: f64) -> Option<Self> {
-        let sensors = sources.names();
+    pub fn of(table: &TableReader<'_>, sensors: Vec<&str>, duration: f64) -> Option<Self> {
         let setup = panel(table, &sensors, Some(duration))?;
         let sensors = sensors.into_iter().map(str::to_owned).collect();
         Some(Self { entries: Rc::clone(table.entries), sensors, duration, setup })
@@ -136,30 +137,20 @@ impl CachedPanel {
     }
 }
 
-/// What channels may be wired to.
-#[derive(Clone, Copy)]
-pub struct Sources<'a, 'b> {
-    /// Tables of the sensors.
-    pub sensors: Option<&'b NamedTables<'a>>,
-    /// Whether there is a drive, whose generator has outputs.
-    pub drive: bool,
-}
-
-impl<'a> Sources<'a, '_> {
-    fn names(self) -> Vec<&'a str> {
-        let sensors = self.sensors.into_iter().flatten().map(|(name, _)| *name);
-        sensors.chain(OUTPUTS.into_iter().filter(|_| self.drive)).collect()
-    }
+/// Names of what channels may be wired to.
+pub fn inputs<'a>(keys: &RootKeys<'a>) -> Vec<&'a str> {
+    let sensors = keys.sensors.iter().flatten().map(|(name, _)| *name);
+    let outputs = OUTPUTS.into_iter().filter(|_| keys.table.has("drive"));
+    sensors.chain(motion_sensors::names(keys)).chain(outputs).collect()
 }
 
 /// The front panel of a scene; it is `known` if that was read from the same table.
 pub fn setup(
     table: &TableReader<'_>,
-    sources: Sources<'_, '_>,
+    sensors: Vec<&str>,
     duration: Option<f64>,
     known: Option<&CachedPanel>,
 ) -> Option<Setup> {
-    let sensors = sources.names();
     match known.filter(|panel| panel.is_of(table, &sensors, duration)) {
         Some(panel) => Some(panel.setup.clone()),
         None => panel(table, &sensors, duration),

@@ -4,6 +4,7 @@ use super::bodies::{BodyKeys, ChainKeys, MaterialKeys, StrikerKeys, VelocityKeys
 use super::document::Node;
 use super::drive::DriveKeys;
 use super::effects::{EffectsKeys, LOSS_KEYS};
+use super::motion_sensors::{AccelerometerKeys, StrainGaugeKeys, VibrometerKeys};
 use super::oscilloscope::ModelKeys;
 use super::panel::PanelKeys;
 use super::sensors::{PlaceKeys, SensorKeys};
@@ -52,6 +53,11 @@ table! {
         /// instead of a striker, or beside it
         initial_velocities: Vec<TableReader<'a>> = list_of(&[VelocityKeys::KEYS]),
         sensors: NamedTables<'a> = tables_of(&[PlaceKeys::KEYS, SensorKeys::KEYS]),
+        /// laser vibrometers, each under a name of your own
+        vibrometers: NamedTables<'a> = tables_of(&[VibrometerKeys::KEYS]),
+        accelerometers: NamedTables<'a> = tables_of(&[AccelerometerKeys::KEYS]),
+        /// on rods at the ends
+        strain_gauges: NamedTables<'a> = tables_of(&[StrainGaugeKeys::KEYS]),
         scope: TableReader<'a> = table_of(&[PanelKeys::KEYS, ModelKeys::KEYS])
             .required()
             .needs("[scope] with model, time_base, trigger and channels"),

@@ -38,6 +38,7 @@ mod isf;
 mod laboratory;
 mod losses;
 mod magnet;
+mod motion_sensors;
 mod numbers;
 mod order;
 mod paper;

@@ -168,7 +168,7 @@ struct Drawn {
 }
 
 const MATERIAL: (f64, f64, f64) = (70e9, 0.33, 2700.0);
-const DURATION: f64 = 150e-6;
+const DURATION: f64 = 300e-6;
 
 fn mass(radius: f64) -> f64 {
     4.0 / 3.0 * PI * radius.powi(3) * MATERIAL.2
@@ -207,7 +207,7 @@ impl Drawn {
 
     /// First peak of the force in the last particle (N) by steps of `h` (s): classical Runge-Kutta,
     /// the largest overlap taken at the ends of steps.
-    fn first_peak(&self, h: f64) -> f64 {
+    fn first_peak(&self, h: f64) -> Option<f64> {
         let n = self.radii.len();
         let (modulus, ratio, _) = MATERIAL;
         let reduced = modulus / (2.0 * (1.0 - ratio * ratio));
@@ -273,15 +273,13 @@ impl Drawn {
             samples.push(rates(&y, &largest).1);
         }
         let most = samples.iter().fold(0.0_f64, |most, force| most.max(*force));
-        let place = (1..samples.len() - 1)
-            .find(|i| {
-                let [before, now, after] = [samples[i - 1], samples[*i], samples[i + 1]];
-                now > 0.25 * most && now > before && now >= after
-            })
-            .expect("a peak");
+        let place = (1..samples.len() - 1).find(|i| {
+            let [before, now, after] = [samples[i - 1], samples[*i], samples[i + 1]];
+            now > 0.25 * most && now > before && now >= after
+        })?;
         let [before, now, after] = [samples[place - 1], samples[place], samples[place + 1]];
         let shift = 0.5 * (before - after) / (before - 2.0 * now + after);
-        now - 0.25 * (before - after) * shift
+        Some(now - 0.25 * (before - after) * shift)
     }
 }
 
@@ -297,7 +295,7 @@ fn fifty_random_yielding_chains_agree_with_a_plain_solver() {
         (bits >> 11) as f64 / (1_u64 << 53) as f64
     };
     let mut between = |low: f64, high: f64| low * (high / low).powf(random());
-    let mut worst = 0.0_f64;
+    let (mut worst, mut compared) = (0.0_f64, 0);
     for number in 0..50 {
         let count = 3 + number % 4;
         let drawn = Drawn {
@@ -308,15 +306,19 @@ fn fifty_random_yielding_chains_agree_with_a_plain_solver() {
         let accuracy = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7][number % 5];
         let scene = drawn.scene(accuracy);
         let found = run_to_accuracy(&scene, accuracy, 1, &mut |_| ()).expect("a run").summary;
-        let peak = found.sensors[0].first_peak.expect("a peak");
+        let peak = found.sensors[0].first_peak;
         let [coarse, exact] = [5e-9, 2.5e-9].map(|step| drawn.first_peak(step));
+        assert_eq!(peak.is_some(), exact.is_some(), "{number}: {peak:?} {exact:?}");
+        let Some((peak, (coarse, exact))) = peak.zip(coarse.zip(exact)) else { continue };
+        compared += 1;
         let own = (coarse / exact - 1.0).abs();
         let error = (peak.dynamic_n / exact - 1.0).abs();
         println!("{number}: asked {accuracy:e}, found {error:.1e}, solver {own:.1e}");
         worst = worst.max(error / accuracy);
         assert!(error <= accuracy + own, "{number}: {error:e} of {accuracy:e}, solver {own:e}");
     }
-    println!("largest error: {worst:.2} of what was asked for");
+    println!("largest error: {worst:.2} of what was asked for, {compared} peaks");
+    assert!(compared > 40, "{compared}");
 }
 
 /// `state = "auto"` leaves it out where no contact can reach the force at which it yields, and the

@@ -108,7 +108,7 @@ impl Bench {
 
     /// First peak of the dynamic force in the last particle (N), and its time (s), by steps of `h`
     /// (s).
-    fn first_peak(&self, h: f64) -> (f64, f64) {
+    fn first_peak(&self, h: f64) -> Option<(f64, f64)> {
         let n = self.radii.len();
         let (modulus, ratio, density) = MATERIAL;
         let reduced = modulus / (2.0 * (1.0 - ratio * ratio));
@@ -219,16 +219,14 @@ impl Bench {
             samples.push(0.5 * (forces[n - 1] + forces[n]));
         }
         let largest = samples.iter().fold(0.0_f64, |most, force| most.max(*force));
-        let place = (1..samples.len() - 1)
-            .find(|i| {
-                let [before, now, after] = [samples[i - 1], samples[*i], samples[i + 1]];
-                now > 0.25 * largest && now > before && now >= after
-            })
-            .expect("a peak");
+        let place = (1..samples.len() - 1).find(|i| {
+            let [before, now, after] = [samples[i - 1], samples[*i], samples[i + 1]];
+            now > 0.25 * largest && now > before && now >= after
+        })?;
         let [before, now, after] = [samples[place - 1], samples[place], samples[place + 1]];
         let shift = 0.5 * (before - after) / (before - 2.0 * now + after);
         let peak = now - 0.25 * (before - after) * shift;
-        (peak, (place as f64 + shift) * h)
+        Some((peak, (place as f64 + shift) * h))
     }
 }
 
@@ -241,16 +239,17 @@ fn mass(radius: f64) -> f64 {
 #[test]
 fn fifty_random_driven_chains_agree_with_a_plain_solver() {
     let mut random = Random(0x2545_F491_4F6C_DD1D);
-    let mut worst = 0.0_f64;
+    let (mut worst, mut compared) = (0.0_f64, 0);
     for number in 0..50 {
         let bench = Bench::drawn(&mut random);
         let accuracy = [1e-3, 1e-5, 1e-7, 1e-9][number % 4];
         let scene = bench.scene(accuracy);
         let found = run_to_accuracy(&scene, accuracy, 1, &mut |_| ()).expect("a run").summary;
-        let reading = &found.sensors[0];
-        let peak = reading.first_peak.expect("a peak");
         let step = if accuracy < 1e-8 { 1.5625e-9 } else { 1.25e-8 };
-        let (force, time) = bench.first_peak(step);
+        let (peak, exact) = (found.sensors[0].first_peak, bench.first_peak(step));
+        assert_eq!(peak.is_some(), exact.is_some(), "{number}: {peak:?} {exact:?}");
+        let Some((peak, (force, time))) = peak.zip(exact) else { continue };
+        compared += 1;
         let error = (peak.dynamic_n / force - 1.0).abs();
         let late = (peak.time_s / time - 1.0).abs();
         println!("{number}: asked {accuracy:e}, force {error:.1e}, time {late:.1e}");
@@ -259,5 +258,6 @@ fn fifty_random_driven_chains_agree_with_a_plain_solver() {
         assert!(error <= accuracy, "{number}: {error:e} of {accuracy:e}");
         assert!(late <= accuracy.max(1e-7), "{number}: {late:e} of {accuracy:e}");
     }
-    println!("largest error: {worst:.2} of what was asked for");
+    println!("largest error: {worst:.2} of what was asked for, {compared} peaks");
+    assert!(compared > 40, "{compared}");
 }
