@@ -54,10 +54,14 @@ pub struct LossEntry {
 }
 
 impl Dissipated {
-    /// All of it, less what a drive has put in (J).
+    /// All of it (J).
+    pub fn lost(&self) -> f64 {
+        self.losses.iter().map(|entry| entry.energy).sum::<f64>() + self.left_in_contacts
+    }
+
+    /// All of it, less what a drive has put in: what the chain has less than at first (J).
     pub fn total(&self) -> f64 {
-        let lost = self.losses.iter().map(|entry| entry.energy).sum::<f64>();
-        lost + self.left_in_contacts - self.work_of_drive.unwrap_or(0.0)
+        self.lost() - self.work_of_drive.unwrap_or(0.0)
     }
 }
 

@@ -65,7 +65,10 @@ pub fn contact(
     let softest = strengths.into_iter().flatten().reduce(f64::min);
     let reduced_modulus = geometry::reduced_modulus(above, below);
     let yield_force = softest.map(|strength| hertz::first_yield(reduced_modulus, radius, strength));
-    let loss = spec.effects.loss_between(short(upper), short(lower));
+    let inverse = |body: Option<&Body>| body.map_or(0.0, |body| 1.0 / body.mass);
+    let mobility = inverse(j.checked_sub(1).and_then(|i| bodies.get(i))) + inverse(bodies.get(j));
+    let pair = (stiffness, 1.0 / mobility);
+    let loss = spec.effects.loss_between(short(upper), short(lower), pair);
     if loss.is_some() && law == Law::Linearised {
         return Err(ChainError::LinearisedWithLoss { body: lower.to_owned() });
     }

@@ -187,6 +187,9 @@ fn ledger(energy: &EnergyLedger) -> Vec<String> {
     if booked.left_in_contacts > 0.0 {
         taken.push(entry("left in contacts", booked.left_in_contacts));
     }
+    if let Some(work) = booked.work_of_drive {
+        lines.push(format!("              put in by the drive {}", engineering(work, "J", 4)));
+    }
     if !taken.is_empty() {
         lines.push(format!("              taken by losses {}", taken.join(", ")));
     }

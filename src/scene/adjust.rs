@@ -12,8 +12,9 @@ use std::path::Path;
 use super::document::{
     ANY, Node, Value, at, at_mut, expand, insert, is_in_tables, known, put, quoted, quoted_key,
 };
+use super::inputs::inputs;
 use super::library::{self, LoadedScene};
-use super::panel::{CachedPanel, inputs};
+use super::panel::CachedPanel;
 use super::problem::{Problem, SceneError, one_of};
 use super::problems::Problems;
 use super::root::RootKeys;

@@ -6,7 +6,6 @@ use std::f64::consts::PI;
 
 use super::document::{Node, Value};
 use super::library;
-use super::motion_sensors::Rod;
 use super::problem::one_of;
 use super::table::{Bound, Key, Places, TableReader};
 use super::table::{any, count, list_of, quantity, table, table_of, text, texts, word, words};
@@ -216,7 +215,7 @@ fn body(
     }
     let axis = keys.axis_deg.map(f64::to_radians);
     if axis.is_some() && (diameter.is_none() || height.is_none()) {
-        let expected = "a cylinder, with diameter and height";
+        let expected = "diameter and height, which make it a cylinder";
         table.problem("axis_deg", "the axis of a body that is no cylinder", expected);
         return None;
     }
@@ -449,6 +448,9 @@ pub enum FarEnd {
 }
 
 words! { FarEnd { "free" => Free, "held" => Held } }
+
+/// A rod behind a wall: its speed of sound (m/s), and its length where its far end counts (m).
+pub type Rod = (f64, Option<f64>);
 
 /// An end of the chain as read.
 pub struct ReadEnd {

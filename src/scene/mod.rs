@@ -16,6 +16,7 @@ mod effects;
 pub mod grid;
 #[doc(hidden)]
 pub mod help;
+mod inputs;
 mod library;
 #[doc(hidden)]
 pub mod magnets;
@@ -204,7 +205,13 @@ fn read(
     let hosts = sensors::SensorHosts { kinds: &moving.kinds, wall: moving.wall };
     let mut sensors = sensors::sensors(root, &places, &hosts);
     let particles = moving.kinds.len();
-    let motion_sensors = motion_sensors::motion_sensors(&keys, particles, moving.rods);
+    inputs::refuse_twins(&keys);
+    let tables = motion_sensors::MotionTables {
+        vibrometers: keys.vibrometers.as_ref(),
+        accelerometers: keys.accelerometers.as_ref(),
+        strain_gauges: keys.strain_gauges.as_ref(),
+    };
+    let motion_sensors = motion_sensors::motion_sensors(&tables, particles, moving.rods);
     for sensor in sensors.iter_mut().filter(|sensor| sensor.site != Site::Wall) {
         sensor.offset_u = uncertainty::of_offset(&uncertainty, &sensor.name, sensor.offset);
     }
@@ -217,7 +224,7 @@ fn read(
         }
     }
     let scope = keys.scope.as_ref().and_then(|table| {
-        let setup = panel::setup(table, panel::inputs(&keys), keys.duration, panel)?;
+        let setup = panel::setup(table, inputs::inputs(&keys), keys.duration, panel)?;
         if setup.acquisition.depth() > 1 && effects.spread.is_some() {
             let found = "\"average\" of impacts whose speeds differ";
             let expected = "\"sample\", or no effects.striker_speed_spread";
@@ -260,7 +267,7 @@ struct Moving<'a> {
     kinds: Vec<&'a str>,
     wall: bool,
     /// Rods behind the walls at the top and at the bottom.
-    rods: [Option<motion_sensors::Rod>; 2],
+    rods: [Option<bodies::Rod>; 2],
     effects: Effects,
     initial_velocities: Vec<f64>,
     built: Option<(ChainSpec, Chain)>,

@@ -1,10 +1,9 @@
 //! Sensors of motion: `[vibrometers.NAME]`, `[accelerometers.NAME]` and `[strain_gauges.NAME]`.
 
-use super::bodies::{particle_in, particle_number};
+use super::bodies::{Rod, particle_in, particle_number};
 use super::document::Node;
 use super::drive::ChainEnd;
-use super::root::RootKeys;
-use super::table::Bound;
+use super::table::{Bound, NamedTables};
 use super::table::{not_negative, positive, quantity, table, word};
 use crate::quantity::{Dimension, engineering};
 use crate::sensor::{MotionKind, MotionSensor};
@@ -47,19 +46,20 @@ table! {
     }
 }
 
-/// A rod behind a wall: its speed of sound (m/s), and its length where its far end counts (m).
-pub type Rod = (f64, Option<f64>);
-
-/// Names of the sensors of motion.
-pub fn names<'a>(keys: &RootKeys<'a>) -> Vec<&'a str> {
-    let tables = [&keys.vibrometers, &keys.accelerometers, &keys.strain_gauges];
-    tables.into_iter().flatten().flatten().map(|(name, _)| *name).collect()
+/// Tables of the sensors of motion.
+pub struct MotionTables<'a, 'b> {
+    /// `[vibrometers.NAME]`.
+    pub vibrometers: Option<&'b NamedTables<'a>>,
+    /// `[accelerometers.NAME]`.
+    pub accelerometers: Option<&'b NamedTables<'a>>,
+    /// `[strain_gauges.NAME]`.
+    pub strain_gauges: Option<&'b NamedTables<'a>>,
 }
 
 /// Reads the sensors of motion on a chain of so many particles, 0 if that is not known, with these
 /// rods at the top and at the bottom.
 pub fn motion_sensors(
-    keys: &RootKeys<'_>,
+    tables: &MotionTables<'_, '_>,
     particles: usize,
     rods: [Option<Rod>; 2],
 ) -> Vec<MotionSensor> {
@@ -72,7 +72,7 @@ pub fn motion_sensors(
             sensitivity,
         }));
     };
-    for (name, table) in keys.vibrometers.iter().flatten() {
+    for (name, table) in tables.vibrometers.into_iter().flatten() {
         let keys = VibrometerKeys::read(table);
         let particle = particle_in(table, keys.particle, particles);
         let data = particle.zip(keys.range).zip(keys.bandwidth);
@@ -83,7 +83,7 @@ pub fn motion_sensors(
         });
         add(name, kind, keys.sensitivity);
     }
-    for (name, table) in keys.accelerometers.iter().flatten() {
+    for (name, table) in tables.accelerometers.into_iter().flatten() {
         let keys = AccelerometerKeys::read(table);
         let particle = particle_in(table, keys.particle, particles);
         let data = particle.zip(keys.resonance).zip(keys.damping).zip(keys.high_pass);
@@ -92,7 +92,7 @@ pub fn motion_sensors(
         });
         add(name, kind, keys.sensitivity);
     }
-    for (name, table) in keys.strain_gauges.iter().flatten() {
+    for (name, table) in tables.strain_gauges.into_iter().flatten() {
         let keys = StrainGaugeKeys::read(table);
         let (Some(end), Some(distance)) = (keys.end, keys.distance) else { continue };
         let end = end as usize;
@@ -106,12 +106,6 @@ pub fn motion_sensors(
             table.problem("distance", engineering(distance, "m", 4), expected);
         }
         add(name, Some(MotionKind::StrainGauge { end, distance, speed }), keys.sensitivity);
-    }
-    for (name, table) in keys.sensors.iter().flatten() {
-        if names(keys).contains(name) {
-            let expected = "a name of its own for each sensor";
-            table.problem("", format!("two sensors called \"{name}\""), expected);
-        }
     }
     sensors
 }

@@ -4,10 +4,8 @@ use std::rc::Rc;
 
 use super::document::{Entries, Node};
 use super::drive::OUTPUTS;
-use super::motion_sensors;
 use super::oscilloscope;
 use super::problem::one_of;
-use super::root::RootKeys;
 use super::table::{Bound, TableReader};
 use super::table::{any, count, flag, positive, quantity, table, table_of, text, word, words};
 use crate::quantity::{Dimension, engineering};
@@ -135,13 +133,6 @@ impl CachedPanel {
             && self.sensors == sensors
             && Some(self.duration) == duration
     }
-}
-
-/// Names of what channels may be wired to.
-pub fn inputs<'a>(keys: &RootKeys<'a>) -> Vec<&'a str> {
-    let sensors = keys.sensors.iter().flatten().map(|(name, _)| *name);
-    let outputs = OUTPUTS.into_iter().filter(|_| keys.table.has("drive"));
-    sensors.chain(motion_sensors::names(keys)).chain(outputs).collect()
 }
 
 /// The front panel of a scene; it is `known` if that was read from the same table.

@@ -57,15 +57,15 @@ fn a_vibrometer_sees_the_solitary_wave() {
 /// speed of sound, and comes back from the free end with the other sign.
 #[test]
 fn a_strain_gauge_sees_the_force_on_the_face_later() {
-    let text = "base = \"hopkinson-bar\"\neffects.scope_noise = false\n[strain_gauges.bar]\ndistance = \"0.5 m\"\nsensitivity = \"10 kV\"\n[accelerometers.a]\nparticle = 5\nsensitivity = \"1 uV*s^2/m\"\nresonance = \"1 MHz\"\n[scope.ch3]\ninput = \"bar\"\nscale = \"20 mV/div\"\n[scope.ch4]\ninput = \"a\"\nscale = \"100 mV/div\"\n";
+    let text = "base = \"hopkinson-bar\"\neffects.scope_noise = false\n[strain_gauges.bar]\ndistance = \"0.5 m\"\nsensitivity = \"100 kV\"\n[accelerometers.a]\nparticle = 5\nsensitivity = \"1 uV*s^2/m\"\nresonance = \"1 MHz\"\n[scope.ch3]\ninput = \"bar\"\nscale = \"20 mV/div\"\n[scope.ch4]\ninput = \"a\"\nscale = \"100 mV/div\"\n";
     let scene = Scene::from_text("bar", "bar.toml", text).expect("a scene");
     let outcome = run_to_accuracy(&scene, 1e-6, 1, &mut |_| ()).expect("a run");
     let wall = outcome.summary.wall.expect("a wall").first_peak.expect("a peak");
     let (modulus, density, diameter) = (200e9_f64, 7650.0_f64, 12.7e-3_f64);
     let speed = (modulus / density).sqrt();
     let section = 0.25 * std::f64::consts::PI * diameter * diameter;
-    // -F/(A E), 10 kV for a strain of 1.
-    let expected = -1e4 * wall.dynamic_n / (section * modulus);
+    // -F/(A E), 100 kV for a strain of 1.
+    let expected = -1e5 * wall.dynamic_n / (section * modulus);
     let capture = &outcome.shot.captures[2].waveform;
     let values: Vec<f64> = (0..capture.codes.len()).filter_map(|i| capture.volts(i)).collect();
     let trigger = outcome.shot.trigger_time.expect("a trigger");

@@ -3,4 +3,5 @@
 
 mod drives;
 mod random;
+mod scenes;
 mod walls;

@@ -66,7 +66,7 @@ const fn knob(
 }
 
 fn loss(spec: Option<&LossSpec>) -> Option<f64> {
-    spec.map(|spec| spec.value)
+    spec.filter(|spec| spec.restitution.is_none()).map(|spec| spec.value)
 }
 
 /// Name and index of the sensor at the input of `source`.
