@@ -381,7 +381,9 @@ impl EffectsSpec {
             let Some(spec) = self.loss(kind) else { return 0.0 };
             match spec.between(upper, lower) {
                 (value, None) => value,
-                (_, Some(given)) => coefficient((kind, end, spec.exponent), given, stiffness, mass),
+                (_, Some(given)) => {
+                    coefficient((kind as usize, end, spec.exponent), given, stiffness, mass)
+                }
             }
         };
         let [dashpot, relaxation, power_force] = LossKind::ALL.map(of);

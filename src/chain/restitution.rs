@@ -1,14 +1,13 @@
 //! Coefficients of losses from a coefficient of restitution at a stated speed.
 //!
 //! Two bodies of reduced mass `mu` that meet at `v` on a contact of stiffness `A` come apart at
-//! `e v`. In the length `L = (mu v^2/A)^(2/5)`, the time `L/v` and the force `A L^1.5` their overlap
-//! follows `s'' = -s^1.5 - c f(s, s')`, `s = 0` and `s' = 1` at first, with `f = s'` for a dashpot,
-//! `sqrt(s) s'` for Kuwabara and Kono (`c = 3/2 eta v/L`) and a power of `s'` for the power law. `e`
-//! falls with `c`, which is found by halving an interval. Walls are immovable, and the collision is
-//! that of two free bodies: in a chain, which holds them, each contact loses less or more.
+//! `e v`. In the length `L = (mu v^2/A)^(2/5)`, the time `L/v` and the force `A L^1.5` their
+//! overlap follows `s'' = -s^1.5 - f(s, s')`, `s = 0` and `s' = 1` at first, `f` the loss's law
+//! with the stiffness 1. `e` falls with the coefficient, which is found by halving an interval.
+//! Walls are immovable, and the collision is that of two free bodies: in a chain, which holds them,
+//! each contact loses less or more.
 
-use super::effects::LossKind;
-use super::loss::EndOfContact;
+use super::loss::{ContactLoss, EndOfContact, Touch};
 
 /// A coefficient of restitution, and the speed at which it holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,47 +27,47 @@ const STEP: f64 = 2e-3;
 /// Steps of a collision at most: with strong losses it takes long.
 const MAX_STEPS: usize = 100_000;
 
-/// The coefficient of a loss of this `kind`, end of contact and `exponent` (1) that makes two bodies
-/// of reduced `mass` (kg) on a contact of `stiffness` `A` (N/m^1.5) come apart so (unit).
+/// The coefficient of the loss at a place among [`super::LOSS_MODELS`], with this end of contact
+/// and `exponent` (1), that makes two bodies of reduced `mass` (kg) on a contact of `stiffness` `A`
+/// (N/m^1.5) come apart so (unit).
 pub fn coefficient(
-    (kind, end, exponent): (LossKind, EndOfContact, f64),
+    (kind, end, exponent): (usize, EndOfContact, f64),
     Restitution { value, speed }: Restitution,
     stiffness: f64,
     mass: f64,
 ) -> f64 {
+    let loss = |coefficient: f64| {
+        let mut coefficients = [0.0; 3];
+        coefficients[kind] = coefficient;
+        let [dashpot, relaxation, power_force] = coefficients;
+        ContactLoss { dashpot, relaxation, power_force, power_exponent: exponent, end }
+    };
     let (mut low, mut high) = RANGE;
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
-        if rebound(kind, end, exponent, middle.exp()) > value {
+        if rebound(loss(middle.exp()), middle.exp()) > value {
             low = middle;
         } else {
             high = middle;
         }
     }
-    let dimensionless = (0.5 * (low + high)).exp();
     let length = (mass * speed * speed / stiffness).powf(0.4);
     let force = stiffness * length.powf(1.5);
-    match kind {
-        LossKind::Dashpot => dimensionless * force / speed,
-        LossKind::KuwabaraKono => dimensionless * length / (1.5 * speed),
-        LossKind::PowerLaw => dimensionless * force / speed.powf(exponent),
-    }
+    let units = [force / speed, length / speed, force / speed.powf(exponent)];
+    (0.5 * (low + high)).exp() * units[kind]
 }
 
-/// Speed at which the contact ends, with the dimensionless coefficient `c` (1).
-fn rebound(kind: LossKind, end: EndOfContact, exponent: f64, c: f64) -> f64 {
+/// Speed at which a contact with this `loss` ends, whose largest coefficient is `size` (1).
+fn rebound(loss: ContactLoss, size: f64) -> f64 {
     let force = |[s, v]: [f64; 2]| {
         let closed = s.max(0.0);
-        let loss = match kind {
-            LossKind::Dashpot => v,
-            LossKind::KuwabaraKono => closed.sqrt() * v,
-            LossKind::PowerLaw => v.abs().powf(exponent).copysign(v),
-        };
-        closed * closed.sqrt() + c * loss
+        let elastic = closed * closed.sqrt();
+        let touch = Touch { overlap: closed, closing: v, elastic, closed: true };
+        elastic + loss.terms(1.0, touch).iter().sum::<f64>()
     };
     let ended = |state: [f64; 2]| {
         state[1] < 0.0
-            && match end {
+            && match loss.end {
                 EndOfContact::ZeroOverlap => state[0] <= 0.0,
                 EndOfContact::ZeroForce => force(state) <= 0.0,
             }
@@ -85,7 +84,7 @@ fn rebound(kind: LossKind, end: EndOfContact, exponent: f64, c: f64) -> f64 {
     let mut state = [0.0, 1.0];
     for _ in 0..MAX_STEPS {
         // Strong losses are stiff.
-        let h = STEP / (1.0 + c);
+        let h = STEP / (1.0 + size);
         let next = step(state, h);
         if ended(next) {
             let (mut low, mut high) = (0.0, h);
@@ -118,7 +117,7 @@ mod tests {
                 (EndOfContact::ZeroForce, at_zero_force),
             ] {
                 let (stiffness, mass, speed) = (3e9_f64, 2e-3_f64, 0.7_f64);
-                let law = (LossKind::KuwabaraKono, end, 1.0);
+                let law = (1, end, 1.0);
                 let eta = coefficient(law, Restitution { value, speed }, stiffness, mass);
                 let found = 1.5 * eta * (stiffness / mass).powf(0.4) * speed.powf(0.2);
                 // The table's last digit is 5e-7 of e, which falls by about x.
