@@ -92,7 +92,9 @@ fn level_in_hysteresis(scene: &Scene) -> Option<Note> {
 }
 
 fn not_triggered(scene: &Scene, found: Option<TriggerPosition>) -> Option<Note> {
-    if found.is_some_and(|found| found.crossed) {
+    let mut channels = scene.scope.channels.iter().flatten();
+    let is_connected = channels.any(|channel| channel.input.is_some());
+    if found.is_some_and(|found| found.crossed) || !is_connected {
         return None;
     }
     let interval = scene.scope.signal_interval();

@@ -79,6 +79,10 @@ pub struct Summary {
     pub wall: Option<Reading>,
     /// Speeds between pairs of particles with sensors, by every estimator.
     pub speeds: Vec<Speed>,
+    /// Velocities of all bodies at the end of the record, the striker first, where there are no
+    /// sensors; downward positive (m/s).
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub final_velocities_m_per_s: Vec<f64>,
     /// The paper's speeds for this scene, from particle 14 to 27.
     pub paper: Option<PaperSpeed>,
     /// Whether the scope triggered, and when.

@@ -161,6 +161,14 @@ impl<'a> Run<'a> {
         Ok(Outcome { summary: self.summarise(&shot, accuracy, found), shot })
     }
 
+    /// Velocities of all bodies now, where there are no sensors to look at (m/s).
+    fn final_velocities(&self) -> Vec<f64> {
+        let bodies = self.scene.chain.bodies().len();
+        let is_alone = self.scene.sensors.is_empty() && self.scene.motion_sensors.is_empty();
+        let velocity = self.bench.state().velocity;
+        velocity.into_iter().take(if is_alone { bodies } else { 0 }).collect()
+    }
+
     fn summarise(
         &self,
         shot: &Shot,
@@ -194,6 +202,7 @@ impl<'a> Run<'a> {
             effect_settings: effects.iter().map(|(name, set)| format!("{name}: {set}")).collect(),
             effects: effects.into_iter().map(|(name, _)| name).collect(),
             energy: self.energy(),
+            final_velocities_m_per_s: self.final_velocities(),
             paper: paper_speeds::speed_of(scene),
             speeds: outcome::speeds(&scene.chain, &sensors),
             wall,

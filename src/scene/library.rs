@@ -17,6 +17,7 @@ use super::document::{ANY, Entry, Node, SourceLocation, Value};
 use super::drive::read_samples;
 use super::problem::{Problem, SceneError, did_you_mean};
 use crate::data;
+use crate::quantity::{self, Dimension};
 
 /// Largest depth of bases of bases: a greater one is a mistake or a circle.
 const MAX_BASE_DEPTH: usize = 8;
@@ -56,6 +57,8 @@ const CONSTANTS: [(&str, &str); 5] = [
     ("plate", "materials"),
     ("ceramic", "piezoceramics"),
 ];
+/// File of the scope of a scene without one.
+const NO_SCOPE: &str = "default";
 /// The table of a generator's signal, whose key `file` names a file of samples.
 const SIGNAL: [&str; 2] = ["drive", "signal"];
 
@@ -103,7 +106,8 @@ pub fn load_text(name: &str, file: &str, text: &str) -> Result<LoadedScene, Scen
 
 fn assembled(name: &str, file: FoundFile) -> Result<LoadedScene, SceneError> {
     let mut library = Library { texts: Texts::default(), problems: Vec::new() };
-    let root = library.assemble(&file, 0)?;
+    let mut root = library.assemble(&file, 0)?;
+    library.add_scope(&mut root);
     library.add_constants(&root);
     let Library { texts, problems } = library;
     Ok(LoadedScene { name: name.to_owned(), text: file.text, texts, root, problems })
@@ -214,6 +218,20 @@ impl Library {
         Ok(root)
     }
 
+    /// Puts a scope with nothing at its inputs into a scene without one: a chain alone.
+    fn add_scope(&mut self, root: &mut Node) {
+        let duration =
+            root.text("duration").map(|(text, _)| quantity::parse(text, Dimension::TIME));
+        let Some(Ok(duration)) = duration else { return };
+        let text = default_scope(duration);
+        let Ok(mut scope) = Node::parse(NO_SCOPE, &text) else { return };
+        self.insert_models(&mut scope);
+        let scope = scope.entries_mut().and_then(|entries| entries.remove("scope"));
+        if let (Some(entries), Some(scope)) = (root.entries_mut(), scope) {
+            entries.entry(Rc::from("scope")).or_insert(scope);
+        }
+    }
+
     /// Puts each table that names an instrument file over that file.
     fn insert_models(&mut self, root: &mut Node) {
         for (path, rule) in RULES {
@@ -291,6 +309,17 @@ impl Library {
     fn add_constants(&mut self, root: &Node) {
         each_constant(root, &mut |_, _, file| self.texts.add(file.place.text()));
     }
+}
+
+/// The scope of a scene without one that lasts `duration` (s): ten divisions of the sequence 1,
+/// 2.5, 5 that show all of it.
+fn default_scope(duration: f64) -> String {
+    let bases = (-9..=0).flat_map(|decade| [1.0, 2.5, 5.0].map(|step| step * 10f64.powi(decade)));
+    let base = bases.into_iter().find(|base| 10.0 * base >= duration).unwrap_or(5.0);
+    format!(
+        "[scope]\nmodel = \"tds2014\"\ntime_base = \"{base:e} s/div\"\nposition = \"{:e} s\"\n[scope.trigger]\nsource = \"CH1\"\nlevel = \"0 V\"\nmode = \"normal\"\n[scope.ch1]\nscale = \"1 V/div\"\n",
+        5.0 * base
+    )
 }
 
 /// Calls `found` with folder, name and tree of each file of constants that a tree names.

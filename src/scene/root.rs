@@ -58,6 +58,7 @@ table! {
         accelerometers: NamedTables<'a> = tables_of(&[AccelerometerKeys::KEYS]),
         /// on rods at the ends
         strain_gauges: NamedTables<'a> = tables_of(&[StrainGaugeKeys::KEYS]),
+        /// default: one with nothing at its inputs, for a chain alone
         scope: TableReader<'a> = table_of(&[PanelKeys::KEYS, ModelKeys::KEYS])
             .required()
             .needs("[scope] with model, time_base, trigger and channels"),

@@ -113,3 +113,44 @@ fn an_echo_within_the_record_is_noted() {
     assert!(!noted(", length = \"10 m\""));
     assert!(!noted(""));
 }
+
+/// Five touching balls, one of which comes: by a plain solver with small steps, and by momentum and
+/// energy.
+#[test]
+fn a_cradle_without_scope_tells_its_velocities() {
+    let scene = Scene::load("cradle").expect("a scene");
+    let outcome = run_to_accuracy(&scene, 1e-8, 1, &mut |_| ()).expect("a run");
+    let found = &outcome.summary.final_velocities_m_per_s;
+    assert!(outcome.summary.notes.is_empty(), "{:?}", outcome.summary.notes);
+    assert!(outcome.shot.captures.is_empty());
+    // F = A d^1.5 between equal balls: A = E/(3 (1 - nu^2)) sqrt(2 R).
+    let radius = 12.7e-3_f64;
+    let stiffness = 210e9 / (3.0 * (1.0 - 0.09)) * (2.0 * radius).sqrt();
+    let mass = 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3) * 7810.0;
+    let mut y = [0.0; 10];
+    y[5] = 0.5;
+    let rates = |y: &[f64; 10]| {
+        let force = |j: usize| {
+            let overlap = if j == 0 || j == 5 { 0.0 } else { y[j - 1] - y[j] };
+            stiffness * overlap.max(0.0).powf(1.5)
+        };
+        std::array::from_fn::<f64, 10, _>(|i| {
+            if i < 5 { y[i + 5] } else { (force(i - 5) - force(i - 4)) / mass }
+        })
+    };
+    let h = 2e-9;
+    for _ in 0..500_000 {
+        let add = |k: &[f64; 10], by: f64| std::array::from_fn(|i| y[i] + by * k[i]);
+        let a = rates(&y);
+        let b = rates(&add(&a, 0.5 * h));
+        let c = rates(&add(&b, 0.5 * h));
+        let d = rates(&add(&c, h));
+        y = std::array::from_fn(|i| y[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]));
+    }
+    for (found, exact) in found.iter().zip(&y[5..]) {
+        assert!((found - exact).abs() < 1e-7 * 0.5, "{found} {exact}");
+    }
+    assert!(found[0] < 0.0 && found[4] < 0.5, "{found:?}");
+    let (momentum, square) = found.iter().fold((0.0, 0.0), |(p, e), v| (p + v, e + v * v));
+    assert!((momentum - 0.5).abs() < 1e-12 && (square - 0.25).abs() < 1e-9, "{found:?}");
+}
