@@ -124,6 +124,7 @@ fn elliptic(kappa: f64) -> [f64; 2] {
 }
 
 #[cfg(test)]
+#[allow(clippy::unreadable_literal, reason = "digits as published")]
 mod tests {
     use super::*;
 

@@ -100,7 +100,7 @@ impl Chain {
                 .then(|| EndAccounts { work: place(1), face: support.backing().map(|_| place(1)) })
         });
         let plastic = self.is_plastic().then(|| place(self.contacts.len()));
-        Accounts { losses, clock, ends, plastic, ..accounts }
+        Accounts { losses, clock, plastic, ends, ..accounts }
     }
 
     /// Largest overlap of contact `j` beyond first yield up to `state`; 0 where it has not yielded

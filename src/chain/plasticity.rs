@@ -169,6 +169,7 @@ impl YieldLaw {
 }
 
 #[cfg(test)]
+#[allow(clippy::unreadable_literal, reason = "digits as published")]
 mod tests {
     use super::*;
 

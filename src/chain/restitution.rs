@@ -100,6 +100,7 @@ fn rebound(loss: ContactLoss, size: f64) -> f64 {
 }
 
 #[cfg(test)]
+#[allow(clippy::unreadable_literal, reason = "digits as published")]
 mod tests {
     use super::*;
 

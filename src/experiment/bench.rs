@@ -175,7 +175,9 @@ impl<'a> Bench<'a> {
                         let set = stepper.instructions();
                         watch.take_step(set, tracker, stepper.time(), *grid, pulses);
                     }
-                    motions.iter_mut().for_each(|m| m.take(stepper.as_ref(), *grid));
+                    for motion in &mut *motions {
+                        motion.take(stepper.as_ref(), *grid);
+                    }
                     film.take_step(chain, stepper);
                     if let Some(extremes) = extremes {
                         extremes.take_step(chain, stepper.as_ref());
@@ -191,7 +193,9 @@ impl<'a> Bench<'a> {
                     for watch in &mut *watches {
                         watch.take(integrator.as_ref(), bodies, *grid, pulses);
                     }
-                    motions.iter_mut().for_each(|m| m.take(integrator.as_ref(), *grid));
+                    for motion in &mut *motions {
+                        motion.take(integrator.as_ref(), *grid);
+                    }
                     film.follow(chain, integrator.as_ref());
                     if let Some(extremes) = extremes {
                         extremes.take_step(chain, integrator.as_ref());

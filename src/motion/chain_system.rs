@@ -191,7 +191,7 @@ impl ChainSystem {
 
     /// The end whose wall moves at contact `j`.
     fn moving_end(&self, j: usize) -> Option<usize> {
-        let end = if j == 0 { 0 } else { 1 };
+        let end = usize::from(j != 0);
         ((j == 0 || j == self.bodies()) && self.walls[end].is_some()).then_some(end)
     }
 
@@ -602,12 +602,12 @@ impl Switching for ChainSystem {
             Change::Closes(_) => overlap >= 0.0 && motion.rate > 0.0,
             Change::Yields(_) => {
                 let overlap = contact.static_overlap + motion.difference;
-                self.yielding[j].is_some_and(|yielding| match yielding.unloading {
-                    Some(_) => overlap > yielding.largest && motion.rate > 0.0,
-                    None => {
-                        let is_beyond = overlap > yielding.level() || yielding.largest > 0.0;
-                        is_beyond && motion.rate < 0.0
+                self.yielding[j].is_some_and(|yielding| {
+                    if yielding.unloading.is_some() {
+                        return overlap > yielding.largest && motion.rate > 0.0;
                     }
+                    let is_beyond = overlap > yielding.level() || yielding.largest > 0.0;
+                    is_beyond && motion.rate < 0.0
                 })
             }
             Change::Pulls(_) => {

@@ -98,7 +98,7 @@ table! {
             effect(&[SWITCH, MagnetPlaceKeys::KEYS, RingKeys::KEYS, TableKeys::KEYS]),
         /// default with a described magnet: its force follows the particle
         magnet_law: Effect<NoKeys<'a>> = effect(&[AUTO_SWITCH, NoKeys::KEYS]),
-        /// contacts that yield where their softer body has a yield_strength
+        /// contacts that yield where their softer body has a `yield_strength`
         plasticity: Effect<PlasticityKeys<'a>> = effect(&[AUTO_SWITCH, PlasticityKeys::KEYS]),
         /// contacts as springs about the static state
         linearised_contacts: Effect<NoKeys<'a>> = effect(&[SWITCH, NoKeys::KEYS]),
@@ -148,9 +148,9 @@ table! {
 table! {
     /// `[effects.plasticity]`.
     pub struct PlasticityKeys<'a> {
-        /// or "walton_braun", with a restitution
+        /// or `walton_braun`, with a restitution
         model: PlasticLaw = word::<PlasticLaw>().required().needs("\"thornton\" or \"walton_braun\""),
-        /// of walton_braun, at any speed
+        /// of `walton_braun`, at any speed
         restitution: f64 = quantity(Dimension::NONE, Bound::Within(0.01, 1.0)),
     }
 }

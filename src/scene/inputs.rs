@@ -6,20 +6,21 @@ use super::table::NamedTables;
 
 /// Names of all of them.
 pub fn inputs<'a>(keys: &RootKeys<'a>) -> Vec<&'a str> {
-    let sensors = named(&keys.sensors).into_iter().chain(motion_names(keys));
+    let sensors = named(keys.sensors.as_ref()).into_iter().chain(motion_names(keys));
     sensors.chain(OUTPUTS.into_iter().filter(|_| keys.table.has("drive"))).collect()
 }
 
 /// Names of the sensors of motion.
 fn motion_names<'a>(keys: &RootKeys<'a>) -> Vec<&'a str> {
     [&keys.vibrometers, &keys.accelerometers, &keys.strain_gauges]
+        .map(Option::as_ref)
         .into_iter()
         .flat_map(named)
         .collect()
 }
 
-fn named<'a>(tables: &Option<NamedTables<'a>>) -> Vec<&'a str> {
-    tables.iter().flatten().map(|(name, _)| *name).collect()
+fn named<'a>(tables: Option<&NamedTables<'a>>) -> Vec<&'a str> {
+    tables.into_iter().flatten().map(|(name, _)| *name).collect()
 }
 
 /// Refuses two inputs of one name.

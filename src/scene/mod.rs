@@ -224,7 +224,7 @@ fn read(
         }
     }
     let scope = keys.scope.as_ref().and_then(|table| {
-        let setup = panel::setup(table, inputs::inputs(&keys), keys.duration, panel)?;
+        let setup = panel::setup(table, &inputs::inputs(&keys), keys.duration, panel)?;
         if setup.acquisition.depth() > 1 && effects.spread.is_some() {
             let found = "\"average\" of impacts whose speeds differ";
             let expected = "\"sample\", or no effects.striker_speed_spread";

@@ -138,13 +138,13 @@ impl CachedPanel {
 /// The front panel of a scene; it is `known` if that was read from the same table.
 pub fn setup(
     table: &TableReader<'_>,
-    sensors: Vec<&str>,
+    sensors: &[&str],
     duration: Option<f64>,
     known: Option<&CachedPanel>,
 ) -> Option<Setup> {
-    match known.filter(|panel| panel.is_of(table, &sensors, duration)) {
+    match known.filter(|panel| panel.is_of(table, sensors, duration)) {
         Some(panel) => Some(panel.setup.clone()),
-        None => panel(table, &sensors, duration),
+        None => panel(table, sensors, duration),
     }
 }
 

@@ -57,8 +57,5 @@ pub fn answer(word: &str) -> Option<&'static str> {
         let slips = if known.len() > 5 { 2 } else { 0 };
         strsim::damerau_levenshtein(known, &word) <= slips
     };
-    ANSWERS
-        .iter()
-        .find(|(words, _)| words.iter().any(|known| is_it(&known)))
-        .map(|(_, answer)| *answer)
+    ANSWERS.iter().find(|(words, _)| words.iter().any(is_it)).map(|(_, answer)| *answer)
 }

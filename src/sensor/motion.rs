@@ -83,7 +83,9 @@ impl MotionSensor {
         let shown = match self.kind {
             MotionKind::Vibrometer { range, bandwidth, .. } => {
                 let mut shown = low_pass(samples, interval * TAU * bandwidth);
-                shown.iter_mut().for_each(|value| *value = value.clamp(-range, range));
+                for value in &mut shown {
+                    *value = value.clamp(-range, range);
+                }
                 shown
             }
             MotionKind::Accelerometer { resonance, damping, high_pass, .. } => {
