@@ -13,7 +13,7 @@ use std::sync::{Arc, OnceLock};
 
 use sha2::{Digest, Sha256};
 
-use super::document::{ANY, Entry, Node, SourceLocation, Value};
+use super::document::{ANY, Entry, Node, SourceLocation, Value, at};
 use super::drive::read_samples;
 use super::problem::{Problem, SceneError, did_you_mean};
 use crate::data;
@@ -218,8 +218,12 @@ impl Library {
         Ok(root)
     }
 
-    /// Puts a scope with nothing at its inputs into a scene without one: a chain alone.
+    /// Puts a scope with nothing at its inputs into a scene without scope and sensors: a chain alone.
     fn add_scope(&mut self, root: &mut Node) {
+        let sensors = ["sensors", "vibrometers", "accelerometers", "strain_gauges"];
+        if sensors.iter().any(|key| at(root, &[key]).is_some()) {
+            return;
+        }
         let duration =
             root.text("duration").map(|(text, _)| quantity::parse(text, Dimension::TIME));
         let Some(Ok(duration)) = duration else { return };
@@ -317,7 +321,7 @@ fn default_scope(duration: f64) -> String {
     let bases = (-9..=0).flat_map(|decade| [1.0, 2.5, 5.0].map(|step| step * 10f64.powi(decade)));
     let base = bases.into_iter().find(|base| 10.0 * base >= duration).unwrap_or(5.0);
     format!(
-        "[scope]\nmodel = \"tds2014\"\ntime_base = \"{base:e} s/div\"\nposition = \"{:e} s\"\n[scope.trigger]\nsource = \"CH1\"\nlevel = \"0 V\"\nmode = \"normal\"\n[scope.ch1]\nscale = \"1 V/div\"\n",
+        "[scope]\nmodel = \"tds2014\"\ntime_base = \"{base:e} s/div\"\nposition = \"{:e} s\"\n[scope.trigger]\nsource = \"CH1\"\nlevel = \"1 V\"\nmode = \"normal\"\n[scope.ch1]\nscale = \"1 V/div\"\n",
         5.0 * base
     )
 }

@@ -14,7 +14,8 @@ fn run(scene: &Scene) -> Summary {
 }
 
 /// The scope triggers on the rise of the sync, where the signal starts, and shows the generator's
-/// signal, 1 V at its peak.
+/// signal: five cycles under a Hann window, highest a quarter of a cycle beside the middle, where
+/// the window is `cos^2(0.05 pi) = 0.9755`, to one level of 40 mV.
 #[test]
 fn the_scope_triggers_on_the_sync() {
     let outcome = run_to_accuracy(&driven(""), 1e-5, 1, &mut |_| ()).expect("a run");
@@ -24,7 +25,7 @@ fn the_scope_triggers_on_the_sync() {
     let generator = &outcome.shot.captures[0].waveform;
     let volts = (0..generator.codes.len()).filter_map(|i| generator.volts(i));
     let highest = volts.fold(0.0_f64, f64::max);
-    assert!((highest - 1.0).abs() < 0.03, "{highest}");
+    assert!((highest - 0.9755).abs() < 0.04, "{highest}");
     assert!(outcome.summary.energy.dissipated_by_kind.work_of_drive.is_some_and(|w| w > 0.0));
 }
 
@@ -128,7 +129,7 @@ fn a_cradle_without_scope_tells_its_velocities() {
     let stiffness = 210e9 / (3.0 * (1.0 - 0.09)) * (2.0 * radius).sqrt();
     let mass = 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3) * 7810.0;
     let mut y = [0.0; 10];
-    y[5] = 0.5;
+    y[5] = 0.1;
     let rates = |y: &[f64; 10]| {
         let force = |j: usize| {
             let overlap = if j == 0 || j == 5 { 0.0 } else { y[j - 1] - y[j] };
@@ -148,9 +149,9 @@ fn a_cradle_without_scope_tells_its_velocities() {
         y = std::array::from_fn(|i| y[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]));
     }
     for (found, exact) in found.iter().zip(&y[5..]) {
-        assert!((found - exact).abs() < 1e-7 * 0.5, "{found} {exact}");
+        assert!((found - exact).abs() < 1e-7 * 0.1, "{found} {exact}");
     }
-    assert!(found[0] < 0.0 && found[4] < 0.5, "{found:?}");
+    assert!(found[0] < 0.0 && found[4] < 0.1, "{found:?}");
     let (momentum, square) = found.iter().fold((0.0, 0.0), |(p, e), v| (p + v, e + v * v));
-    assert!((momentum - 0.5).abs() < 1e-12 && (square - 0.25).abs() < 1e-9, "{found:?}");
+    assert!((momentum - 0.1).abs() < 1e-12 && (square - 0.01).abs() < 1e-9, "{found:?}");
 }
