@@ -218,7 +218,8 @@ impl Library {
         Ok(root)
     }
 
-    /// Puts a scope with nothing at its inputs into a scene without scope and sensors: a chain alone.
+    /// Puts a scope with nothing at its inputs into a scene without scope and sensors: a chain
+    /// alone.
     fn add_scope(&mut self, root: &mut Node) {
         let sensors = ["sensors", "vibrometers", "accelerometers", "strain_gauges"];
         if sensors.iter().any(|key| at(root, &[key]).is_some()) {
