@@ -81,6 +81,7 @@ fn body(mass: f64, sphere: bool, radius: f64) -> Body {
         length: if sphere { 2.0 * radius } else { 3.12e-3 },
         curvature: if sphere { 1.0 / radius } else { 0.0 },
         elasticity: if sphere { PTFE } else { STEEL },
+        axis: None,
         yield_strength: None,
     }
 }

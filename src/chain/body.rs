@@ -16,6 +16,9 @@ pub struct Body {
     pub length: f64,
     /// Curvature of its faces, `1/R`; 0 is flat (1/m).
     pub curvature: f64,
+    /// Direction of the axis of a cylinder that lies across the chain, around the chain's axis;
+    /// none of other bodies (rad).
+    pub axis: Option<f64>,
     /// Elastic constants.
     pub elasticity: Elasticity,
     /// Uniaxial stress at which the material yields; none where that is not known (Pa).
@@ -37,7 +40,10 @@ impl Body {
     /// Whether the other is of the same kind and size; their masses may differ by what sits in
     /// them.
     pub fn is_alike(&self, other: &Self) -> bool {
-        let shape = |body: &Self| [body.length.to_bits(), body.curvature.to_bits()];
+        let shape = |body: &Self| {
+            let axis = body.axis.unwrap_or(f64::INFINITY);
+            [body.length, body.curvature, axis].map(f64::to_bits)
+        };
         self.name == other.name && shape(self) == shape(other)
     }
 

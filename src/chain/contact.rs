@@ -2,7 +2,10 @@
 
 use super::hertz;
 use super::loss::{ContactLoss, Touch};
+use super::plasticity::YieldLaw;
 
+/// Iterations for a contact in series with a spring, at most.
+const SERIES_ITERATIONS: usize = 50;
 /// Root of the static overlap that makes a Hertz contact a spring (m^0.5).
 const SPRING_ROOT: f64 = 1e10;
 
@@ -13,6 +16,22 @@ pub enum Law {
     Hertz,
     /// Hertz linearised about the static state, by [`super::LinearisedContacts`].
     Linearised,
+}
+
+/// What decides on a contact's force beside its motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Past {
+    /// Whether it counts as closed.
+    pub closed: bool,
+    /// Largest overlap so far beyond first yield; 0 where it has not yielded (m).
+    pub largest: f64,
+}
+
+impl Past {
+    /// That of a contact that has not yielded.
+    pub fn of(closed: bool) -> Self {
+        Self { closed, largest: 0.0 }
+    }
 }
 
 /// One contact and its static state.
@@ -30,6 +49,10 @@ pub struct Contact {
     pub loss: Option<ContactLoss>,
     /// Force at which its softer body begins to yield; none where that is not known (N).
     pub yield_force: Option<f64>,
+    /// How it yields; none where it is elastic whatever the force.
+    pub plastic: Option<YieldLaw>,
+    /// Of a spring in series with the contact, a piezo stack's; 0 without one (m/N).
+    pub compliance: f64,
 }
 
 impl Contact {
@@ -41,6 +64,8 @@ impl Contact {
         law: Law::Hertz,
         loss: None,
         yield_force: None,
+        plastic: None,
+        compliance: 0.0,
     };
 
     /// Stiffness against small changes of the static state (N/m).
@@ -61,8 +86,87 @@ impl Contact {
         }
     }
 
-    /// Change of the force when the overlap grows by `change` (m) over the static one (N).
+    /// How far the bodies are from parting at rest: the static overlap, and what a spring in series
+    /// is pressed (m).
+    pub fn static_approach(&self) -> f64 {
+        self.static_overlap + self.compliance * self.static_force
+    }
+
+    /// Change of the overlap alone where the bodies have come closer by `change` (m): what a spring
+    /// in series leaves of it (m).
+    fn without_spring(&self, change: f64) -> f64 {
+        if self.compliance == 0.0 {
+            return change;
+        }
+        // Newton's method on `f = F(change - f c)`, from the tangent at rest; the slope of the
+        // difference is at least 1, so a few iterations end at rounding.
+        let stiffness = |overlap: f64| match self.law {
+            Law::Hertz => hertz::tangent_stiffness(self.stiffness, self.static_overlap + overlap),
+            Law::Linearised => self.static_stiffness(),
+        };
+        let mut overlap = change / (1.0 + self.compliance * stiffness(change.max(0.0)));
+        for _ in 0..SERIES_ITERATIONS {
+            let beyond = overlap + self.compliance * self.overlap_force(overlap) - change;
+            let step = beyond / (1.0 + self.compliance * stiffness(overlap));
+            overlap -= step;
+            if step.abs() <= f64::EPSILON * overlap.abs() {
+                break;
+            }
+        }
+        overlap
+    }
+
+    /// Change of the force when the bodies come closer by `change` (m) after the overlap `largest`
+    /// (m) (N), and its slope (N/m).
+    pub fn force_change_after(&self, change: f64, largest: f64) -> (f64, f64) {
+        let elastic = || match self.law {
+            Law::Hertz if self.compliance == 0.0 => {
+                hertz::force_and_tangent(self.stiffness, self.static_overlap.sqrt(), change)
+            }
+            _ => (self.force_change(change), self.tangent_stiffness(change)),
+        };
+        let Some(law) = &self.plastic else { return elastic() };
+        let overlap = self.static_overlap + change;
+        if largest > 0.0 && overlap < largest {
+            let (force, slope) = law.unloading(largest).force_and_slope(overlap);
+            return (force - self.static_force, slope);
+        }
+        self.loading_change(change)
+    }
+
+    /// The same on first loading.
+    pub fn loading_change(&self, change: f64) -> (f64, f64) {
+        let overlap = self.static_overlap + change;
+        match &self.plastic {
+            Some(law) if overlap > law.first_overlap() => {
+                let (force, slope) = law.loading(overlap);
+                (force - self.static_force, slope)
+            }
+            _ => hertz::force_and_tangent(self.stiffness, self.static_overlap.sqrt(), change),
+        }
+    }
+
+    /// Largest overlap beyond first yield at rest; 0 where it has not yielded (m).
+    pub(super) fn static_largest(&self) -> f64 {
+        let has_yielded = |law: &YieldLaw| self.static_overlap > law.first_overlap();
+        if self.plastic.as_ref().is_some_and(has_yielded) { self.static_overlap } else { 0.0 }
+    }
+
+    /// Overlap that remains without force after the overlap `largest` (m) (m).
+    pub fn residual_overlap(&self, largest: f64) -> f64 {
+        match &self.plastic {
+            Some(law) if largest > 0.0 => law.unloading(largest).residual,
+            _ => 0.0,
+        }
+    }
+
+    /// Change of the force when the bodies come closer by `change` (m) (N).
     pub fn force_change(&self, change: f64) -> f64 {
+        self.overlap_force(self.without_spring(change))
+    }
+
+    /// Change of the force when the overlap grows by `change` (m) over the static one (N).
+    fn overlap_force(&self, change: f64) -> f64 {
         match self.law {
             Law::Hertz => hertz::force_change(self.stiffness, self.static_overlap.sqrt(), change),
             Law::Linearised => self.static_stiffness() * change,
@@ -71,20 +175,21 @@ impl Contact {
 
     /// The contact when its overlap has grown by `change` (m) over the static one and grows by
     /// `closing` (m/s).
-    pub fn touch(&self, change: f64, closing: f64, closed: bool) -> Touch {
-        self.touched(self.force_change(change), change, closing, closed)
+    pub fn touch(&self, change: f64, closing: f64, past: Past) -> Touch {
+        self.touched(self.force_change_after(change, past.largest).0, change, closing, past)
     }
 
-    fn touched(&self, force_change: f64, change: f64, closing: f64, closed: bool) -> Touch {
+    fn touched(&self, force_change: f64, change: f64, closing: f64, past: Past) -> Touch {
         let elastic = self.static_force + force_change;
-        Touch { overlap: self.static_overlap + change, closing, elastic, closed }
+        let overlap = self.static_approach() + change - self.residual_overlap(past.largest);
+        Touch { overlap, closing, elastic, closed: past.closed }
     }
 
     /// Change of the force, losses included (N).
-    pub fn lossy_force_change(&self, change: f64, closing: f64, closed: bool) -> f64 {
-        let elastic = self.force_change(change);
+    pub fn lossy_force_change(&self, change: f64, closing: f64, past: Past) -> f64 {
+        let (elastic, _) = self.force_change_after(change, past.largest);
         let Some(loss) = self.loss else { return elastic };
-        elastic + loss.force(self.stiffness, self.touched(elastic, change, closing, closed))
+        elastic + loss.force(self.stiffness, self.touched(elastic, change, closing, past))
     }
 
     /// The same (N), and its slopes against the overlap (N/m) and the closing speed (N s/m).
@@ -92,30 +197,40 @@ impl Contact {
         &self,
         change: f64,
         closing: f64,
-        closed: bool,
+        past: Past,
     ) -> (f64, [f64; 2]) {
-        let (elastic, slope) = match self.law {
-            Law::Hertz => {
-                hertz::force_and_tangent(self.stiffness, self.static_overlap.sqrt(), change)
-            }
-            Law::Linearised => (self.force_change(change), self.static_stiffness()),
-        };
+        let (elastic, slope) = self.force_change_after(change, past.largest);
         let Some(loss) = self.loss else { return (elastic, [slope, 0.0]) };
-        let touch = self.touched(elastic, change, closing, closed);
+        let touch = self.touched(elastic, change, closing, past);
         let (force, tangent) = loss.force_and_tangent(self.stiffness, slope, touch);
         (elastic + force, [tangent.stiffness, tangent.damping])
     }
 
     /// Stiffness against further changes (N/m).
     pub fn tangent_stiffness(&self, change: f64) -> f64 {
-        match self.law {
-            Law::Hertz => hertz::tangent_stiffness(self.stiffness, self.static_overlap + change),
+        let stiffness = match self.law {
+            Law::Hertz => {
+                let change = self.without_spring(change);
+                hertz::tangent_stiffness(self.stiffness, self.static_overlap + change)
+            }
             Law::Linearised => self.static_stiffness(),
-        }
+        };
+        stiffness / (1.0 + self.compliance * stiffness)
     }
 
-    /// Elastic energy, that of the static overlap included (J).
+    /// Elastic energy, that of the static overlap and of a spring in series included (J).
     pub fn energy(&self, change: f64) -> f64 {
+        let change = self.without_spring(change);
+        let spring = if self.compliance > 0.0 {
+            0.5 * self.compliance * (self.static_force + self.overlap_force(change)).powi(2)
+        } else {
+            0.0
+        };
+        spring + self.overlap_energy(change)
+    }
+
+    /// Elastic energy of the overlap (J).
+    fn overlap_energy(&self, change: f64) -> f64 {
         match self.law {
             Law::Hertz => hertz::energy(self.stiffness, self.static_overlap + change),
             Law::Linearised => {
@@ -131,6 +246,12 @@ impl Contact {
     /// With `s` and `r` the square roots of the present and the static overlap it is
     /// `A (s - r)^2 (2/5 s^3 + 4/5 s^2 r + 6/5 s r^2 + 3/5 r^3)` while closed.
     pub fn energy_change(&self, change: f64) -> f64 {
+        if self.compliance > 0.0 {
+            let overlap = self.without_spring(change);
+            let force = self.overlap_force(overlap);
+            let contact = Self { compliance: 0.0, ..*self };
+            return contact.energy_change(overlap) + 0.5 * self.compliance * force * force;
+        }
         if self.law == Law::Linearised {
             return 0.5 * self.static_stiffness() * change * change;
         }

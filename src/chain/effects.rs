@@ -8,6 +8,9 @@ use std::fmt::Write as _;
 
 use super::EndOfContact;
 use super::loss::{ContactLoss, KINDS};
+use super::plasticity::{PlasticModel, Plasticity};
+use super::restitution::{Restitution, coefficient};
+use super::support::Support;
 use crate::magnet::Magnet;
 use crate::quantity::{Dimension, engineering};
 
@@ -115,15 +118,20 @@ impl LossKind {
 pub struct ContactOverride {
     /// Names of the two bodies, in either order.
     pub between: [String; 2],
-    /// The coefficient there (unit).
+    /// The coefficient there; 0 where it follows from a restitution (unit).
     pub value: f64,
+    /// The restitution that it follows from.
+    pub restitution: Option<Restitution>,
 }
 
 /// A loss's coefficients.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LossSpec {
-    /// The coefficient of all contacts without an override (unit).
+    /// The coefficient of all contacts without an override; 0 where it follows from a restitution
+    /// (unit).
     pub value: f64,
+    /// The restitution that it follows from, contact by contact.
+    pub restitution: Option<Restitution>,
     /// Exponent of the power law; 1 for the others (1).
     pub exponent: f64,
     /// Coefficients of some contacts.
@@ -135,28 +143,34 @@ pub struct LossSpec {
 impl LossSpec {
     /// The same coefficient (unit) in all contacts, and the exponent 1.
     pub fn everywhere(value: f64, end: EndOfContact) -> Self {
-        Self { value, exponent: 1.0, overrides: Vec::new(), end }
+        Self { value, restitution: None, exponent: 1.0, overrides: Vec::new(), end }
     }
 
-    /// The coefficient between the bodies so named (unit).
-    pub fn between(&self, upper: &str, lower: &str) -> f64 {
+    /// The coefficient between the bodies so named (unit), or the restitution that it follows from.
+    pub fn between(&self, upper: &str, lower: &str) -> (f64, Option<Restitution>) {
         let own = self.overrides.iter().find(|o| {
             let [a, b] = &o.between;
             (a == upper && b == lower) || (a == lower && b == upper)
         });
-        own.map_or(self.value, |own| own.value)
+        own.map_or((self.value, self.restitution), |own| (own.value, own.restitution))
     }
 
     /// The settings in words.
     fn summary(&self, model: &LossModel) -> String {
-        let text = |value: f64| engineering(value, model.unit, 4);
+        let text = |value: f64, restitution: &Option<Restitution>| match restitution {
+            None => engineering(value, model.unit, 4),
+            Some(Restitution { value, speed }) => {
+                format!("by a restitution of {value} at {}", engineering(*speed, "m/s", 4))
+            }
+        };
         let mut words = String::new();
         if model.has_exponent {
             let _ = write!(words, "exponent {}, ", self.exponent);
         }
-        let _ = write!(words, "{} {}", model.label, text(self.value));
-        for ContactOverride { between: [upper, lower], value } in &self.overrides {
-            let _ = write!(words, ", between {upper} and {lower} {}", text(*value));
+        let _ = write!(words, "{} {}", model.label, text(self.value, &self.restitution));
+        for ContactOverride { between: [upper, lower], value, restitution } in &self.overrides {
+            let value = text(*value, restitution);
+            let _ = write!(words, ", between {upper} and {lower} {value}");
         }
         format!("{words}; a contact ends at {}", self.end.name().replace('_', " "))
     }
@@ -289,6 +303,10 @@ pub struct EffectsSpec {
     pub magnet_law: Option<MagnetLaw>,
     /// `[effects.magnet_preload]`
     pub magnet_preload: Option<MagnetPreload>,
+    /// `[effects.plasticity]`
+    pub plasticity: Option<Plasticity>,
+    /// What is behind the walls at the top and at the bottom: `[drive]`, rods and plates.
+    pub supports: [Support; 2],
 }
 
 impl EffectsSpec {
@@ -309,6 +327,16 @@ impl EffectsSpec {
             all.push(("magnet_law", words.to_owned()));
         }
         all.extend(self.magnet_preload.as_ref().map(|m| ("magnet_preload", m.summary())));
+        if let Some(Plasticity { model }) = self.plasticity {
+            let words = match model {
+                PlasticModel::Thornton => "thornton: contacts yield".to_owned(),
+                PlasticModel::WaltonBraun(e) => format!("walton_braun, restitution {e}"),
+            };
+            all.push(("plasticity", words));
+        }
+        for (support, end) in self.supports.iter().zip(["top", "bottom"]) {
+            all.extend(support.summary(end));
+        }
         all.sort_unstable_by_key(|(name, _)| *name);
         all
     }
@@ -320,6 +348,7 @@ impl EffectsSpec {
             "linearised_contacts" => self.linearised_contacts = None,
             "magnet_law" => self.magnet_law = None,
             "magnet_preload" => self.magnet_preload = None,
+            "plasticity" => self.plasticity = None,
             _ => {
                 if let Some(kind) = LossKind::named(name) {
                     self.losses[kind as usize] = None;
@@ -339,11 +368,25 @@ impl EffectsSpec {
         self
     }
 
-    /// The losses of the contact between the bodies so named; none if nothing is lost.
-    pub fn loss_between(&self, upper: &str, lower: &str) -> Option<ContactLoss> {
-        let of = |spec: &Option<LossSpec>| spec.as_ref().map_or(0.0, |s| s.between(upper, lower));
+    /// The losses of the contact between the bodies so named, of this stiffness `A` (N/m^1.5) and
+    /// reduced mass (kg); none if nothing is lost.
+    pub fn loss_between(
+        &self,
+        upper: &str,
+        lower: &str,
+        (stiffness, mass): (f64, f64),
+    ) -> Option<ContactLoss> {
         let end = self.end_of_contact()?;
-        let [dashpot, relaxation, power_force] = self.losses.each_ref().map(of);
+        let of = |kind: LossKind| {
+            let Some(spec) = self.loss(kind) else { return 0.0 };
+            match spec.between(upper, lower) {
+                (value, None) => value,
+                (_, Some(given)) => {
+                    coefficient((kind as usize, end, spec.exponent), given, stiffness, mass)
+                }
+            }
+        };
+        let [dashpot, relaxation, power_force] = LossKind::ALL.map(of);
         let power_exponent = self.loss(LossKind::PowerLaw).map_or(1.0, |power| power.exponent);
         let loss = ContactLoss { dashpot, relaxation, power_force, power_exponent, end };
         loss.is_some().then_some(loss)

@@ -8,7 +8,7 @@
 
 use serde::Serialize;
 
-use super::{Body, Chain, State};
+use super::{Body, Chain, Past, State};
 
 /// The chain's energy by kind.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
@@ -42,13 +42,41 @@ impl Chain {
         at(j.checked_sub(1)) - at(Some(j))
     }
 
+    /// Overlap change of contact `j` in `state`, a moving wall's displacement included (m).
+    pub fn overlap_change_in(&self, state: &State, j: usize) -> f64 {
+        let change = self.overlap_change(&state.position, j);
+        let last = self.bodies.len();
+        if !self.has_moving_walls() || (j > 0 && j < last) {
+            return change;
+        }
+        let [top, bottom] = self.walls(state);
+        change + if j == 0 { top } else { -bottom }
+    }
+
     /// Force in contact `j` at these displacements (m) and velocities (m/s), static part and losses
     /// included; `closed` is true if the contact counts as closed (N).
     pub fn contact_force(&self, position: &[f64], velocity: &[f64], j: usize, closed: bool) -> f64 {
+        self.contact_force_between([[0.0; 2]; 2], position, velocity, j, Past::of(closed))
+    }
+
+    /// The same with `walls` at the top and at the bottom at these displacements (m) and velocities
+    /// (m/s), of a contact with this `past` (N).
+    pub fn contact_force_between(
+        &self,
+        walls: [[f64; 2]; 2],
+        position: &[f64],
+        velocity: &[f64],
+        j: usize,
+        past: Past,
+    ) -> f64 {
+        let wall = |part: usize| {
+            let top = if j == 0 { walls[0][part] } else { 0.0 };
+            top - if j == self.bodies.len() { walls[1][part] } else { 0.0 }
+        };
         self.contacts.get(j).map_or(0.0, |contact| {
-            let change = self.overlap_change(position, j);
-            let closing = self.overlap_change(velocity, j);
-            contact.static_force + contact.lossy_force_change(change, closing, closed)
+            let change = self.overlap_change(position, j) + wall(0);
+            let closing = self.overlap_change(velocity, j) + wall(1);
+            contact.static_force + contact.lossy_force_change(change, closing, past)
         })
     }
 
@@ -59,11 +87,10 @@ impl Chain {
         };
         let at = |values: &[f64], i: usize| values.get(i).copied().unwrap_or(0.0);
         let u = |i: usize| at(&state.position, i);
-        let contacts = self.contacts.iter().enumerate();
         let [above, below] = self.ends;
         Energy {
             kinetic: sum(&|i, body| 0.5 * body.mass * at(&state.velocity, i).powi(2)),
-            elastic: contacts.map(|(j, c)| c.energy(self.overlap_change(&state.position, j))).sum(),
+            elastic: (0..self.contacts.len()).map(|j| self.contact_energy(state, j)).sum(),
             gravity: -self.gravity * sum(&|i, body| body.mass * u(i)),
             magnet: self.magnet.as_ref().map_or(0.0, |m| m.energy(u(m.body), self.follows)),
             end_forces: below * u(self.bodies.len() - 1) - above * u(usize::from(self.striker)),
@@ -75,8 +102,7 @@ impl Chain {
     pub fn energy_above_static(&self, state: &State) -> f64 {
         let kinetic = self.bodies.iter().zip(&state.velocity).map(|(b, v)| 0.5 * b.mass * v * v);
         let elastic = self.contacts.iter().enumerate().filter(|(_, c)| c.stiffness > 0.0);
-        let elastic =
-            elastic.map(|(j, c)| c.energy_change(self.overlap_change(&state.position, j)));
+        let elastic = elastic.map(|(j, c)| c.energy_change(self.overlap_change_in(state, j)));
         let loads = self.residual.iter().zip(&state.position).map(|(force, u)| force * u);
         // A constant pull is balanced by the contacts; what it does beyond that is its own.
         let pull = self.pull().map_or(0.0, |(body, pull)| {

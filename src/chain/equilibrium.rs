@@ -7,6 +7,7 @@ use super::contact::{Contact, Law};
 use super::error::ChainError;
 use super::magnet::{ChainMagnet, Pull};
 use super::statics::{contact, loads};
+use super::support::Support;
 
 /// A chain in static equilibrium, the striker at rest where it first touches.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,6 +25,8 @@ pub struct Chain {
     pub(super) magnet: Option<ChainMagnet>,
     /// Whether the magnet's force changes as its particle moves.
     pub(super) follows: bool,
+    /// What is behind the walls at the top and at the bottom.
+    pub(super) supports: [Support; 2],
 }
 
 impl Chain {
@@ -38,6 +41,13 @@ impl Chain {
         }
         if striker && matches!(spec.top, End::Wall(_)) {
             return Err(ChainError::StrikerBehindWall);
+        }
+        for (support, (end, name)) in
+            spec.effects.supports.iter().zip([(spec.top, "top"), (spec.bottom, "bottom")])
+        {
+            if support.moves() && !matches!(end, End::Wall(_)) {
+                return Err(ChainError::SupportWithoutWall { end: name });
+            }
         }
         let bodies: Vec<Body> = spec.striker.iter().chain(&spec.particles).cloned().collect();
         let mut loads = loads(spec, &bodies);
@@ -77,6 +87,7 @@ impl Chain {
             ends: [end(&spec.top), end(&spec.bottom)],
             follows: spec.effects.magnet_law.is_some(),
             magnet,
+            supports: spec.effects.supports.clone(),
         })
     }
 
@@ -108,7 +119,32 @@ impl Chain {
 
     /// Whether its forces are those of elastic contacts and constant loads alone.
     pub fn is_plain(&self) -> bool {
-        !self.is_dissipative() && self.pull().is_none()
+        !self.needs_general_method() && self.pull().is_none()
+    }
+
+    /// What is behind the walls at the top and at the bottom.
+    pub fn supports(&self) -> &[Support; 2] {
+        &self.supports
+    }
+
+    /// Whether a wall moves.
+    pub fn has_moving_walls(&self) -> bool {
+        self.supports.iter().any(Support::moves)
+    }
+
+    /// Whether a contact may yield.
+    pub fn is_plastic(&self) -> bool {
+        self.contacts.iter().any(|contact| contact.plastic.is_some())
+    }
+
+    /// Whether its forces depend on time or history, for which the implicit method has no tangents.
+    pub fn needs_explicit_method(&self) -> bool {
+        self.has_moving_walls() || self.is_plastic()
+    }
+
+    /// Whether its motion depends on more than positions, so that only the general methods serve.
+    pub fn needs_general_method(&self) -> bool {
+        self.is_dissipative() || self.needs_explicit_method()
     }
 
     /// Whether its contacts are linearised: all of them are, or none.

@@ -19,6 +19,16 @@ pub enum ChainError {
         /// The body below.
         lower: String,
     },
+    /// Cylinders that lie parallel, or one on a flat face.
+    #[error(
+        "{upper} and {lower} touch along a line: a Hertz contact needs an angle between lying cylinders, or a sphere"
+    )]
+    Line {
+        /// The body above.
+        upper: String,
+        /// The body below.
+        lower: String,
+    },
     /// The striker would have to pass through a wall.
     #[error("both a striker and a wall are at the top: leave one out")]
     StrikerBehindWall,
@@ -49,6 +59,14 @@ pub enum ChainError {
     LinearisedWithLoss {
         /// The body below the contact.
         body: String,
+    },
+    /// A drive, a rod or a plate at an end without a wall.
+    #[error(
+        "a drive, rod or plate at the {end} needs a wall there whose material touches the chain"
+    )]
+    SupportWithoutWall {
+        /// `top` or `bottom`.
+        end: &'static str,
     },
     /// Loads do not balance and no wall takes the rest.
     #[error(

@@ -97,6 +97,11 @@ impl ContactLoss {
         self.dashpot > 0.0 || self.power_force > 0.0
     }
 
+    /// The same losses in a contact that may pull.
+    pub(crate) fn unheld_end(self) -> Self {
+        Self { end: EndOfContact::ZeroOverlap, ..self }
+    }
+
     /// Coefficient of each kind (unit).
     pub fn coefficients(&self) -> LossTerms {
         [self.dashpot, self.relaxation, self.power_force]

@@ -16,17 +16,21 @@ pub mod effects;
 mod energy;
 mod equilibrium;
 mod error;
+mod geometry;
 pub mod hertz;
 mod ledger;
 pub mod loss;
 mod magnet;
+mod plasticity;
 pub(crate) mod probe;
+mod restitution;
 mod stability;
 mod state;
 mod statics;
+mod support;
 
 pub use body::{Body, ChainSpec, End};
-pub use contact::{Contact, Law};
+pub use contact::{Contact, Law, Past};
 pub use effects::{
     ContactOverride, EffectsSpec, Gravity, LOSS_MODELS, LinearisedContacts, LossKind, LossModel,
     LossSpec, MagnetForce, MagnetLaw, MagnetPreload, PlacedAt, PlacedMagnet,
@@ -35,9 +39,13 @@ pub use energy::Energy;
 pub use equilibrium::Chain;
 pub use error::ChainError;
 pub use hertz::Elasticity;
-pub use ledger::Dissipated;
+pub(crate) use ledger::into_chain;
+pub use ledger::{Accounts, Dissipated, EndAccounts};
 pub use loss::{ACCOUNTS, ContactLoss, EndOfContact};
 pub use magnet::{ChainMagnet, Pull};
+pub use plasticity::{PlasticModel, Plasticity, Unloading, YieldLaw};
 pub use probe::ForceProbe;
+pub use restitution::Restitution;
 pub use stability::StabilityLimit;
 pub use state::State;
+pub use support::{Backing, Carrier, Drive, Echo, Signal, Support};

@@ -29,6 +29,8 @@ pub struct Around {
     /// Index of the body between the two that are felt.
     pub(crate) body: usize,
     pub(crate) is_lossy: bool,
+    /// The first account of contacts that may yield.
+    pub(crate) plastic: Option<usize>,
     /// Inverse mass (1/kg) and unbalanced acceleration (m/s²) of the body above, this one and the
     /// one below.
     pub(crate) inertia: [(f64, f64); 3],
@@ -55,6 +57,14 @@ impl ForceProbe {
         Some(Self::at(chain, above, contacts, [0.0, 1.0]))
     }
 
+    /// The net force of both contacts on particle `particle` (from 1), which accelerates it.
+    pub fn net(chain: &Chain, particle: usize) -> Option<Self> {
+        let body = chain.body_of(particle);
+        let contacts = [*chain.contacts().get(body)?, *chain.contacts().get(body + 1)?];
+        chain.bodies().get(body)?;
+        Some(Self::at(chain, body, contacts, [1.0, -1.0]))
+    }
+
     fn at(chain: &Chain, body: usize, [above, below]: [Contact; 2], weights: [f64; 2]) -> Self {
         let contact = |j: Option<usize>| {
             j.and_then(|j| chain.contacts().get(j)).copied().unwrap_or(Contact::OPEN)
@@ -72,6 +82,7 @@ impl ForceProbe {
             weights,
             body,
             is_lossy: above.loss.is_some() || below.loss.is_some(),
+            plastic: chain.accounts().plastic,
             inertia: [inertia(body.checked_sub(1)), inertia(Some(body)), inertia(Some(body + 1))],
             pull,
         };

@@ -9,7 +9,7 @@
 //! negative pivots. Source: W. Givens, J. ACM 4, 298 (1957), on Sturm sequences of tridiagonal
 //! matrices.
 
-use super::{Chain, Contact, hertz};
+use super::{Chain, Contact, Drive, hertz};
 
 /// Relative width at which the bisection for an eigenvalue ends (1).
 const EIGENVALUE_TOLERANCE: f64 = 1e-12;
@@ -44,14 +44,23 @@ impl Chain {
     /// For each moving body the larger of two closed forms: `v/omega` on its static contacts, and
     /// the two-body collision for contacts without preload.
     pub fn impact_overlap(&self, velocity: &[f64]) -> f64 {
-        self.impacts(velocity).map(|(_, overlap)| overlap).fold(0.0, f64::max)
+        let driven = self.drives().map(|(_, drive)| drive.amplitude).fold(0.0, f64::max);
+        self.impacts(velocity).map(|(_, overlap)| overlap).fold(driven, f64::max)
     }
 
     /// By how much that impact raises the force of a contact, at most: [`Self::impact_overlap`] in
     /// newtons. 0 where nothing moves (N).
     pub fn impact_force(&self, velocity: &[f64]) -> f64 {
-        let forces = self.impacts(velocity).map(|(contact, overlap)| contact.force_change(overlap));
-        forces.fold(0.0, f64::max)
+        let driven = self.drives().map(|(contact, drive)| (contact, drive.amplitude));
+        let impacts = self.impacts(velocity).chain(driven);
+        impacts.map(|(contact, overlap)| contact.force_change(overlap)).fold(0.0, f64::max)
+    }
+
+    /// Drives, each with the contact beside it.
+    pub fn drives(&self) -> impl Iterator<Item = (&Contact, &Drive)> {
+        let contacts = [self.contacts.first(), self.contacts.last()];
+        let ends = contacts.into_iter().flatten().zip(&self.supports);
+        ends.filter_map(|(contact, support)| Some((contact, support.drive()?)))
     }
 
     /// Contacts beside moving bodies, and the overlap (m) that they will reach.
@@ -186,7 +195,7 @@ impl Chain {
 }
 
 /// Dynamic overlap of one contact when a body of `mass` (kg) runs into it with `speed` (m/s) (m).
-fn overlap_with_neighbour(contact: &Contact, mass: f64, speed: f64) -> f64 {
+pub(super) fn overlap_with_neighbour(contact: &Contact, mass: f64, speed: f64) -> f64 {
     let free = hertz::collision_overlap(contact.stiffness, 0.5 * mass, speed);
     if contact.static_overlap == 0.0 {
         return free;

@@ -1,9 +1,8 @@
 //! The static state of a chain, contact by contact: what each bears, and its overlap in closed
 //! form.
 
-use super::{
-    Body, ChainError, ChainSpec, Contact, Elasticity, End, Law, LinearisedContacts, hertz,
-};
+use super::geometry::{self, Face};
+use super::{Body, ChainError, ChainSpec, Contact, End, Law, LinearisedContacts, YieldLaw, hertz};
 
 /// Constant force on each body from effects and end forces, the magnet's excepted, downward
 /// positive (N).
@@ -26,11 +25,11 @@ pub fn contact(
     j: usize,
     bears: f64,
 ) -> Result<Contact, ChainError> {
-    fn side(body: &Body) -> (Elasticity, f64, &str) {
-        (body.elasticity, body.curvature, &body.name)
+    fn side(body: &Body) -> (Face, &str) {
+        (Face::of(body), &body.name)
     }
     let wall = |end: &End, name: &'static str| match end {
-        End::Wall(elasticity) => Some((*elasticity, 0.0, name)),
+        End::Wall(elasticity) => Some((Face::flat(*elasticity), name)),
         End::Free | End::Force(_) => None,
     };
     let upper = match j.checked_sub(1) {
@@ -41,34 +40,65 @@ pub fn contact(
     let (Some(upper), Some(lower)) = (upper, lower) else {
         return open_end(spec, bodies, j, bears);
     };
-    let stiffness = hertz::stiffness((upper.0, upper.1), (lower.0, lower.1));
+    let ((above, upper), (below, lower)) = (upper, lower);
+    let (stiffness, radius) = geometry::stiffness(above, below);
     if !stiffness.is_finite() {
-        return Err(ChainError::FlatOnFlat {
-            upper: upper.2.to_owned(),
-            lower: lower.2.to_owned(),
+        let (upper, lower) = (upper.to_owned(), lower.to_owned());
+        return Err(if geometry::is_line(above, below) {
+            ChainError::Line { upper, lower }
+        } else {
+            ChainError::FlatOnFlat { upper, lower }
         });
     }
     if bears < 0.0 {
-        return Err(ChainError::Pulling { body: lower.2.to_owned(), force: bears });
+        return Err(ChainError::Pulling { body: lower.to_owned(), force: bears });
     }
     let law = match spec.effects.linearised_contacts {
         Some(LinearisedContacts) if bears == 0.0 => {
-            return Err(ChainError::NothingToLinearise { body: lower.2.to_owned() });
+            return Err(ChainError::NothingToLinearise { body: lower.to_owned() });
         }
         Some(LinearisedContacts) => Law::Linearised,
         None => Law::Hertz,
     };
-    let static_overlap = hertz::overlap(stiffness, bears);
     let yields = |body: Option<&Body>| body.and_then(|body| body.yield_strength);
     let strengths = [yields(j.checked_sub(1).and_then(|i| bodies.get(i))), yields(bodies.get(j))];
     let softest = strengths.into_iter().flatten().reduce(f64::min);
-    let yield_force = softest
-        .map(|strength| hertz::first_yield((upper.0, upper.1), (lower.0, lower.1), strength));
-    let loss = spec.effects.loss_between(short(upper.2), short(lower.2));
+    let reduced_modulus = geometry::reduced_modulus(above, below);
+    let yield_force = softest.map(|strength| hertz::first_yield(reduced_modulus, radius, strength));
+    let inverse = |body: Option<&Body>| body.map_or(0.0, |body| 1.0 / body.mass);
+    let mobility = inverse(j.checked_sub(1).and_then(|i| bodies.get(i))) + inverse(bodies.get(j));
+    let pair = (stiffness, 1.0 / mobility);
+    let loss = spec.effects.loss_between(short(upper), short(lower), pair);
     if loss.is_some() && law == Law::Linearised {
-        return Err(ChainError::LinearisedWithLoss { body: lower.2.to_owned() });
+        return Err(ChainError::LinearisedWithLoss { body: lower.to_owned() });
     }
-    Ok(Contact { stiffness, static_force: bears, static_overlap, law, loss, yield_force })
+    if spec.effects.plasticity.is_some() && law == Law::Linearised {
+        return Err(ChainError::LinearisedWithLoss { body: lower.to_owned() });
+    }
+    let [top, bottom] = &spec.effects.supports;
+    let beside = if j == 0 { Some(top) } else { (j == bodies.len()).then_some(bottom) };
+    let stack = beside.and_then(|support| support.drive()?.stiffness);
+    let compliance = stack.map_or(0.0, |stiffness| 1.0 / stiffness);
+    let yields = spec.effects.plasticity.zip(softest).filter(|_| compliance == 0.0);
+    let plastic = yields.map(|(plasticity, strength)| {
+        let pressure = hertz::YIELD_PRESSURE_FACTOR * strength;
+        YieldLaw::new(plasticity, stiffness, (reduced_modulus, radius), pressure)
+    });
+    let static_overlap = match &plastic {
+        Some(law) => law.overlap_of(bears),
+        None => hertz::overlap(stiffness, bears),
+    };
+    let static_force = bears;
+    Ok(Contact {
+        stiffness,
+        static_force,
+        static_overlap,
+        law,
+        loss,
+        yield_force,
+        plastic,
+        compliance,
+    })
 }
 
 /// A body's name as losses know it: to them a wall is a wall.

@@ -13,22 +13,26 @@ use signal_hook::consts::TERM_SIGNALS;
 use super::overwrite::ending;
 use crate::client::{
     AcquisitionEvent, Address, ClientError, ClientTiming, LineEvent, ShotAcquisition,
-    create_recording,
+    create_recording, instruments,
 };
 use crate::recording::TraceSet;
 
-/// Record the displayed traces of a scope after each of its triggers: over a socket, a serial line,
-/// or GPIB behind a Prologix adapter
+/// Record the displayed traces of a scope after each of its triggers: over USB, VXI-11, HiSLIP, a
+/// socket, a serial line, or GPIB behind a Prologix adapter
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// The scope: `tcp://HOST:PORT`, `serial:/dev/ttyUSB0?baud=19200` (RTS/CTS flow control), or
-    /// `prologix://HOST?gpib=1`
-    #[arg(value_parser = str::parse::<Address>)]
-    address: Address,
+    /// The scope: `/dev/usbtmc0` or `USB0::0x0699::0x0363::SERIAL::INSTR`, `tcp://HOST:PORT`,
+    /// `TCPIP::HOST::INSTR` (VXI-11), `TCPIP::HOST::hislip0::INSTR`,
+    /// `serial:/dev/ttyUSB0?baud=19200` (RTS/CTS flow control), or `prologix://HOST?gpib=1`
+    #[arg(value_parser = str::parse::<Address>, required_unless_present = "list")]
+    address: Option<Address>,
     /// Recording to write (.mcap); if it exists, a number is appended; it can be read while it
     /// grows (`view FILE --follow`)
-    #[arg(short, long, value_name = "FILE.mcap")]
-    output: PathBuf,
+    #[arg(short, long, value_name = "FILE.mcap", required_unless_present = "list")]
+    output: Option<PathBuf>,
+    /// List the instruments on USB and the serial ports that are there
+    #[arg(long, conflicts_with_all = ["address", "output", "shots"])]
+    list: bool,
     /// End after this many shots [default: at Ctrl-C]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     shots: Option<u32>,
@@ -121,12 +125,47 @@ struct Acquired<'a> {
     contradictions: u32,
 }
 
+/// Something that a scope may be connected to.
+#[derive(Serialize)]
+struct Line {
+    address: String,
+    name: String,
+}
+
+/// Prints the instruments on USB and the serial ports.
+fn list(json: bool) -> anyhow::Result<()> {
+    let usb = instruments().into_iter().map(|found| {
+        let serial = found.identity.map(|identity| identity.serial).filter(|text| !text.is_empty());
+        let serial = serial.map_or(String::new(), |serial| format!(", serial number {serial}"));
+        Line { address: found.device.display().to_string(), name: format!("{}{serial}", found.name) }
+    });
+    let ports = serial2::SerialPort::available_ports().unwrap_or_default();
+    let ports = ports.into_iter().map(|port| Line {
+        address: format!("serial:{}", port.display()),
+        name: "serial port".to_owned(),
+    });
+    let lines: Vec<Line> = usb.chain(ports).collect();
+    super::show(&lines, json, |lines| {
+        let rows = lines.iter().map(|line| format!("{}  {}", line.address, line.name));
+        let rows: Vec<String> = rows.collect();
+        if rows.is_empty() {
+            "no instrument on USB (/dev/usbtmc*) and no serial port is there; instruments on the network are not searched for"
+                .to_owned()
+        } else {
+            rows.join("\n")
+        }
+    })
+}
+
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    ending(&arguments.output, &["mcap"])?;
+    let (Some(address), Some(output)) = (&arguments.address, &arguments.output) else {
+        return list(arguments.json);
+    };
+    ending(output, &["mcap"])?;
     let stop = StopSignal::new()?;
-    let mut scope = begin(&arguments.address, &stop, arguments.quiet)?;
+    let mut scope = begin(address, &stop, arguments.quiet)?;
     let mut troubles = Troubles::default();
-    let recorded = record(arguments, &mut scope, &mut troubles);
+    let recorded = record(arguments, (address, output), &mut scope, &mut troubles);
     let instrument = scope.instrument().clone();
     // The scope is restored in every case; the first error is reported.
     let restored = scope.end();
@@ -135,7 +174,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let found = Acquired {
         file: &file,
         shots,
-        address: arguments.address.to_string(),
+        address: address.to_string(),
         model: &instrument.model,
         serial: &instrument.serial,
         firmware: &instrument.firmware,
@@ -174,12 +213,12 @@ fn begin(
 /// Records until it is stopped or has all shots: the file, and how many it has.
 fn record(
     arguments: &Arguments,
+    (address, output): (&Address, &Path),
     scope: &mut ShotAcquisition,
     troubles: &mut Troubles,
 ) -> anyhow::Result<(PathBuf, u32)> {
     let quiet = arguments.quiet;
-    let address = &arguments.address;
-    let mut recorder = create_recording(&arguments.output, address, scope.instrument())?;
+    let mut recorder = create_recording(output, address, scope.instrument())?;
     if !quiet {
         super::say(&format!("recording   {}", recorder.file().display()));
     }

@@ -33,6 +33,22 @@ pub struct TableArguments {
     /// time=1:ms,CH1=2:V,p14=4:N
     #[arg(long, value_name = "NAME=COLUMN:UNIT,...")]
     columns: Option<TableColumns>,
+    /// Sample interval of a table that has values and no times, e.g. "1 us"
+    #[arg(long = "interval", value_name = "TIME", value_parser = interval)]
+    sample_interval: Option<f64>,
+    /// Put the values of a table with uneven times on an even grid, by straight lines
+    #[arg(long)]
+    resample: bool,
+}
+
+/// A positive time (s).
+fn interval(text: &str) -> Result<f64, String> {
+    let interval = parse(text, Dimension::TIME).map_err(|error| error.to_string())?;
+    if interval > 0.0 {
+        Ok(interval)
+    } else {
+        Err(format!("found `{text}`, expected a time above 0, e.g. \"1 us\""))
+    }
 }
 
 impl TableArguments {
@@ -44,9 +60,11 @@ impl TableArguments {
         }
     }
 
-    /// The columns, or none where they are left to the file.
+    /// The columns, or none where they are left to the file, and what else is said of tables.
     pub fn columns(&self) -> TableColumns {
-        self.columns.clone().unwrap_or_default()
+        let mut columns = self.columns.clone().unwrap_or_default();
+        (columns.interval, columns.resample) = (self.sample_interval, self.resample);
+        columns
     }
 
     /// The same, with shot `number` only.

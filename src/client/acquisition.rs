@@ -17,9 +17,9 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant, SystemTime};
 
 use super::address::Address;
-use super::connection::invalid_reply;
 use super::record::displayed;
 use super::scope::{ClientError, ClientTiming, LineEvent, Scope, ScopeState, words};
+use super::transport::invalid_reply;
 use crate::quantity::engineering;
 use crate::recording::RecordingError;
 use crate::recording::mcap::{RecordingWriter, ShotNotes};

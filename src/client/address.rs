@@ -4,6 +4,9 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
+use super::hislip_line::PORT as HISLIP_PORT;
+use super::usbtmc::UsbIdentity;
+
 /// Port of a Prologix adapter.
 const PROLOGIX_PORT: u16 = 1234;
 /// Speeds that the RS-232 of the family has (baud).
@@ -25,6 +28,26 @@ pub enum Address {
         /// The speed (baud).
         baud: u32,
     },
+    /// VXI-11.
+    Vxi11 {
+        /// The host.
+        host: String,
+        /// Port of the core channel; looked up where there is none.
+        port: Option<u16>,
+        /// The instrument's name on the host.
+        device: String,
+    },
+    /// HiSLIP.
+    Hislip {
+        /// `HOST:PORT`.
+        pair: String,
+        /// The instrument's name on the host.
+        device: String,
+    },
+    /// An instrument on USB, by the kernel's device file.
+    UsbFile(PathBuf),
+    /// An instrument on USB, by maker, model and serial number.
+    Usb(UsbIdentity),
     /// A GPIB behind a Prologix adapter.
     Prologix {
         /// The adapter, `HOST:PORT`.
@@ -50,9 +73,12 @@ impl Address {
     /// [`AddressError`] where it is meant as an address and is wrong.
     pub fn recognise(text: &str) -> Result<Option<Self>, AddressError> {
         let upper = text.to_ascii_uppercase();
-        let is_visa = ["TCPIP", "ASRL", "GPIB"].iter().any(|kind| upper.starts_with(kind))
+        let is_visa = ["TCPIP", "ASRL", "GPIB", "USB"].iter().any(|kind| upper.starts_with(kind))
             && text.contains("::");
-        let is_named = text.contains("://") || text.starts_with("serial:") || is_visa;
+        let schemes = ["serial:", "usbtmc:", USB_FILES];
+        let is_named = text.contains("://")
+            || schemes.iter().any(|scheme| text.starts_with(scheme))
+            || is_visa;
         let is_pair = text
             .rsplit_once(':')
             .is_some_and(|(host, port)| !host.is_empty() && port.parse::<u16>().is_ok());
@@ -81,11 +107,18 @@ impl FromStr for Address {
             let device = rest.strip_prefix("//").unwrap_or(rest);
             return serial(device).map_err(|problem| wrong(problem, SERIAL_EXAMPLE));
         }
+        if let Some(device) = bare.strip_prefix("usbtmc:") {
+            return Ok(Self::UsbFile(device.into()));
+        }
+        if bare.starts_with(USB_FILES) {
+            return Ok(Self::UsbFile(bare.into()));
+        }
         if let Some(rest) = bare.strip_prefix("prologix://") {
             return prologix(rest).map_err(|problem| wrong(problem, PROLOGIX_EXAMPLE));
         }
         if let Some((scheme, _)) = bare.split_once("://") {
-            let problem = format!("unknown kind of line `{scheme}`: use tcp, serial or prologix");
+            let problem =
+                format!("unknown kind of line `{scheme}`: use tcp, serial, usbtmc or prologix");
             return Err(wrong(&problem, SOCKET_EXAMPLE));
         }
         if bare.contains("::") && !bare.starts_with('[') {
@@ -95,9 +128,13 @@ impl FromStr for Address {
     }
 }
 
+/// How the kernel's device files of instruments on USB begin.
+const USB_FILES: &str = "/dev/usbtmc";
 const NO_PORT: &str = "names no host with a port";
 const SOCKET_EXAMPLE: &str = "e.g. tcp://127.0.0.1:5025";
 const SERIAL_EXAMPLE: &str = "e.g. serial:/dev/ttyUSB0?baud=19200 (Windows: serial:COM3)";
+const USB_EXAMPLE: &str = "e.g. /dev/usbtmc0 or USB0::0x0699::0x0363::C031611::INSTR";
+const VISA_EXAMPLE: &str = "e.g. TCPIP::192.168.1.20::INSTR or TCPIP::192.168.1.20::hislip0::INSTR";
 const PROLOGIX_EXAMPLE: &str = "e.g. prologix://192.168.1.20?gpib=1";
 
 /// `HOST:PORT`, with `usual` where there is no port; none where there is no host, or the port is no
@@ -160,8 +197,57 @@ fn visa(text: &str) -> Result<Address, (&'static str, &'static str)> {
         _ if upper.starts_with("GPIB") => {
             Err(("a GPIB is reached through a Prologix adapter", PROLOGIX_EXAMPLE))
         }
-        _ => Err(("neither VXI-11 nor HiSLIP is spoken by this client", SOCKET_EXAMPLE)),
+        [_, rest @ ..] if upper.starts_with("USB") => {
+            usb(rest).ok_or(("names no maker and model", USB_EXAMPLE))
+        }
+        [_, rest @ ..] => network(rest).ok_or(("names no instrument on a host", VISA_EXAMPLE)),
+        [] => Err((NO_PORT, SOCKET_EXAMPLE)),
     }
+}
+
+/// `HOST::INSTR`, `HOST[,PORT]::inst0::INSTR` (VXI-11), `HOST::hislip0[,PORT]::INSTR` (HiSLIP).
+fn network(parts: &[&str]) -> Option<Address> {
+    let parts = match parts {
+        [rest @ .., last] if last.eq_ignore_ascii_case("INSTR") => rest,
+        all => all,
+    };
+    let with_port = |text: &str| match text.split_once(',') {
+        Some((name, port)) => Some((name.to_owned(), Some(port.parse::<u16>().ok()?))),
+        None => Some((text.to_owned(), None)),
+    };
+    let (host, device) = match parts {
+        [host] => (*host, "inst0"),
+        [host, device] => (*host, *device),
+        _ => return None,
+    };
+    let (host, host_port) = with_port(host)?;
+    let (device, device_port) = with_port(device)?;
+    if host.is_empty() || device.is_empty() {
+        return None;
+    }
+    if device.to_ascii_lowercase().starts_with("hislip") {
+        let port = device_port.or(host_port).unwrap_or(HISLIP_PORT);
+        return Some(Address::Hislip {
+            pair: host_and_port(&format!("{host}:{port}"), None)?,
+            device,
+        });
+    }
+    Some(Address::Vxi11 { host, port: host_port.or(device_port), device })
+}
+
+/// `VENDOR::PRODUCT[::SERIAL][::INTERFACE]::INSTR`, numbers in hexadecimal with `0x`, or decimal.
+fn usb(parts: &[&str]) -> Option<Address> {
+    let number = |text: &str| match text.to_ascii_lowercase().strip_prefix("0x") {
+        Some(digits) => u16::from_str_radix(digits, 16).ok(),
+        None => text.parse().ok(),
+    };
+    let (vendor, product, rest) = match parts {
+        [vendor, product, rest @ ..] => (number(vendor)?, number(product)?, rest),
+        _ => return None,
+    };
+    let serial = rest.first().filter(|text| !text.eq_ignore_ascii_case("INSTR"));
+    let serial = serial.map(|text| (*text).to_owned()).unwrap_or_default();
+    Some(Address::Usb(UsbIdentity { vendor, product, serial }))
 }
 
 impl fmt::Display for Address {
@@ -170,6 +256,22 @@ impl fmt::Display for Address {
             Self::Socket(pair) => write!(f, "tcp://{pair}"),
             Self::Serial { device, baud } => {
                 write!(f, "serial:{}?baud={baud}", device.display())
+            }
+            Self::Vxi11 { host, port, device } => {
+                let port = port.map_or(String::new(), |port| format!(",{port}"));
+                write!(f, "TCPIP::{host}{port}::{device}::INSTR")
+            }
+            Self::Hislip { pair, device } => {
+                let (host, port) = pair.rsplit_once(':').unwrap_or((pair, ""));
+                write!(f, "TCPIP::{host}::{device},{port}::INSTR")
+            }
+            Self::UsbFile(device) if device.starts_with("/dev") => {
+                write!(f, "{}", device.display())
+            }
+            Self::UsbFile(device) => write!(f, "usbtmc:{}", device.display()),
+            Self::Usb(UsbIdentity { vendor, product, serial }) => {
+                let serial = if serial.is_empty() { String::new() } else { format!("::{serial}") };
+                write!(f, "USB::0x{vendor:04X}::0x{product:04X}{serial}::INSTR")
             }
             Self::Prologix { adapter, gpib } => write!(f, "prologix://{adapter}?gpib={gpib}"),
         }
@@ -194,6 +296,14 @@ mod tests {
             ("ASRL/dev/ttyUSB0::INSTR", "serial:/dev/ttyUSB0?baud=9600"),
             ("prologix://10.0.0.8?gpib=1", "prologix://10.0.0.8:1234?gpib=1"),
             ("prologix://adapter:4321/?gpib=30", "prologix://adapter:4321?gpib=30"),
+            ("TCPIP::10.0.0.7::INSTR", "TCPIP::10.0.0.7::inst0::INSTR"),
+            ("TCPIP0::10.0.0.7,1024::inst0::INSTR", "TCPIP::10.0.0.7,1024::inst0::INSTR"),
+            ("tcpip::scope.lab::hislip0::instr", "TCPIP::scope.lab::hislip0,4880::INSTR"),
+            ("TCPIP::10.0.0.7::hislip0,4881::INSTR", "TCPIP::10.0.0.7::hislip0,4881::INSTR"),
+            ("/dev/usbtmc0", "/dev/usbtmc0"),
+            ("usbtmc:lab/usb", "usbtmc:lab/usb"),
+            ("USB0::0x0699::0x0363::C031611::INSTR", "USB::0x0699::0x0363::C031611::INSTR"),
+            ("USB::1689::867::INSTR", "USB::0x0699::0x0363::INSTR"),
         ] {
             let found = Address::recognise(text).map(|found| found.map(|found| found.to_string()));
             assert_eq!(found, Ok(Some(expected.to_owned())), "{text}");
@@ -212,8 +322,9 @@ mod tests {
             ("serial:", "names no port: type e.g. serial:/dev/ttyUSB0?baud=19200"),
             ("prologix://adapter", "gpib=0 to gpib=30"),
             ("prologix://adapter?gpib=31", "gpib=0 to gpib=30"),
-            ("TCPIP::10.0.0.7::INSTR", "neither VXI-11 nor HiSLIP"),
-            ("TCPIP::10.0.0.7::hislip0,4880::INSTR", "neither VXI-11 nor HiSLIP"),
+            ("TCPIP::10.0.0.7::a::b::INSTR", "names no instrument on a host"),
+            ("TCPIP::10.0.0.7::hislip0,x::INSTR", "names no instrument on a host"),
+            ("USB0::tek::INSTR", "names no maker and model: type e.g. /dev/usbtmc0"),
             ("ASRL3::INSTR", "named by its device"),
             ("GPIB0::1::INSTR", "through a Prologix adapter"),
         ] {

@@ -10,7 +10,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use super::address::Address;
-use super::transport::{LINE_TIMEOUT, Transport, connection_closed, open, stopped};
+use super::lines::open;
+use super::transport::{LINE_TIMEOUT, Transport, connection_closed, invalid_reply, stopped};
 
 /// Upper bound of a reply (bytes): nine records of 2500 points have 26,000.
 const MAX_REPLY_LENGTH: usize = 1 << 16;
@@ -343,9 +344,4 @@ impl Client {
 /// Time of one byte at `baud` (baud).
 fn byte_time(baud: u32) -> Duration {
     Duration::from_secs(1) * BITS_PER_BYTE / baud
-}
-
-/// The error for a reply that no oscilloscope sends.
-pub fn invalid_reply(found: &str) -> io::Error {
-    io::Error::new(ErrorKind::InvalidData, format!("found {found}"))
 }

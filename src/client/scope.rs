@@ -11,9 +11,10 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use super::address::Address;
-use super::connection::{Client, invalid_reply};
+use super::connection::Client;
 use super::record::Record;
 use super::transport::POLL_INTERVAL;
+use super::transport::invalid_reply;
 use crate::quantity::printable_line;
 use crate::recording::set_file::SetFile;
 use crate::recording::{Capture, InstrumentIdentity};

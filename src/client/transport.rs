@@ -1,5 +1,6 @@
 //! The lines on which bytes go to an instrument and come back: a raw TCP socket, RS-232, and GPIB
-//! behind a Prologix GPIB-to-Ethernet adapter.
+//! behind a Prologix GPIB-to-Ethernet adapter; those with messages of their own are in
+//! `hislip_line`, `vxi11_line` and `usbtmc`.
 //!
 //! A transport moves bytes and knows nothing of messages but their frame. No call waits longer than
 //! [`POLL_INTERVAL`], so that whoever waits can also look at the clock and at a request to stop.
@@ -19,8 +20,6 @@ use std::thread;
 use std::time::Duration;
 
 use serial2::{CharSize, FlowControl, Parity, SerialPort, Settings, StopBits};
-
-use super::address::Address;
 
 /// Longest wait of one call.
 pub const POLL_INTERVAL: Duration = Duration::from_millis(25);
@@ -77,32 +76,18 @@ pub trait Transport: Debug + Send {
     }
 }
 
-/// Opens the line to `address`. `is_stopped` is asked until it is open.
-///
-/// # Errors
-/// The system's error.
-pub fn open(
-    address: &Address,
-    timeout: Duration,
-    is_stopped: &dyn Fn() -> bool,
-) -> io::Result<Box<dyn Transport>> {
-    Ok(match address {
-        Address::Socket(pair) => Box::new(connect(pair, timeout, is_stopped)?),
-        Address::Serial { device, baud } => Box::new(SerialLine::open(device, *baud)?),
-        Address::Prologix { adapter, gpib } => {
-            Box::new(PrologixLine::set_up(connect(adapter, timeout, is_stopped)?, *gpib)?)
-        }
-    })
-}
-
 /// A TCP connection on which messages are lines: a served scope, or a real one behind a
 /// serial-to-LAN adapter.
 #[derive(Debug)]
-struct SocketLine(TcpStream);
+pub(super) struct SocketLine(pub(super) TcpStream);
 
 /// Connects to `pair`, `HOST:PORT`. Looking a name up and connecting cannot be interrupted: a
 /// thread does both, and is left behind.
-fn connect(pair: &str, timeout: Duration, is_stopped: &dyn Fn() -> bool) -> io::Result<SocketLine> {
+pub(super) fn connect(
+    pair: &str,
+    timeout: Duration,
+    is_stopped: &dyn Fn() -> bool,
+) -> io::Result<TcpStream> {
     let (sender, found) = mpsc::channel();
     let address = pair.to_owned();
     thread::spawn(move || {
@@ -119,7 +104,7 @@ fn connect(pair: &str, timeout: Duration, is_stopped: &dyn Fn() -> bool) -> io::
     }
 }
 
-fn first_connection(pair: &str, timeout: Duration) -> io::Result<SocketLine> {
+fn first_connection(pair: &str, timeout: Duration) -> io::Result<TcpStream> {
     let mut last = io::Error::new(ErrorKind::NotFound, "found no such host");
     for address in pair.to_socket_addrs()? {
         match TcpStream::connect_timeout(&address, timeout) {
@@ -127,7 +112,7 @@ fn first_connection(pair: &str, timeout: Duration) -> io::Result<SocketLine> {
                 stream.set_nodelay(true)?;
                 stream.set_read_timeout(Some(POLL_INTERVAL))?;
                 stream.set_write_timeout(Some(POLL_INTERVAL))?;
-                return Ok(SocketLine(stream));
+                return Ok(stream);
             }
             Err(error) => last = error,
         }
@@ -148,11 +133,11 @@ impl Transport for SocketLine {
 /// An instrument on the GPIB of a Prologix adapter, or of one that understands the same `++`
 /// commands (AR488).
 #[derive(Debug)]
-struct PrologixLine(SocketLine);
+pub(super) struct PrologixLine(SocketLine);
 
 impl PrologixLine {
     /// Sets the adapter behind `socket` up for the instrument at bus address `gpib`.
-    fn set_up(mut socket: SocketLine, gpib: u8) -> io::Result<Self> {
+    pub(super) fn set_up(mut socket: SocketLine, gpib: u8) -> io::Result<Self> {
         // Settings stay out of the adapter's memory; messages end with LF and EOI; 3 s is its
         // longest time limit.
         let set_up = format!(
@@ -200,14 +185,14 @@ fn escaped(message: &str) -> Vec<u8> {
 
 /// An open serial port.
 #[derive(Debug)]
-struct SerialLine {
+pub(super) struct SerialLine {
     port: SerialPort,
     baud: u32,
 }
 
 impl SerialLine {
     /// Opens `device` at `baud` (baud); bytes from before are dropped.
-    fn open(device: &Path, baud: u32) -> io::Result<Self> {
+    pub(super) fn open(device: &Path, baud: u32) -> io::Result<Self> {
         let settings = |mut settings: Settings| {
             settings.set_raw();
             settings.set_baud_rate(baud)?;
@@ -251,7 +236,7 @@ impl Transport for SerialLine {
 }
 
 /// The count of a read or write as [`Transport`] promises it.
-fn moved(done: io::Result<usize>) -> io::Result<usize> {
+pub(super) fn moved(done: io::Result<usize>) -> io::Result<usize> {
     match done {
         Ok(0) => Err(connection_closed()),
         Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => {
@@ -264,6 +249,11 @@ fn moved(done: io::Result<usize>) -> io::Result<usize> {
 /// The other side has closed the line.
 pub fn connection_closed() -> io::Error {
     io::Error::new(ErrorKind::UnexpectedEof, "it has closed the connection")
+}
+
+/// The error for a reply that no oscilloscope sends.
+pub fn invalid_reply(found: &str) -> io::Error {
+    io::Error::new(ErrorKind::InvalidData, format!("found {found}"))
 }
 
 /// The user has asked to stop.

@@ -2,13 +2,13 @@
 
 use super::bench::Bench;
 use crate::recording::{Capture, InstrumentIdentity, Origin, Shot, TrueSignal};
-use crate::scene::{Scene, Site, input_load};
+use crate::scene::{GENERATOR_OUTPUTS, Scene, Site, input_load};
 use crate::scope::acquire::{
     TriggerPosition, before_trigger, digitise, find_trigger, fold_average,
 };
 use crate::scope::front_end::{condition, noise_stream};
 use crate::scope::{ChannelSetup, Source, TriggerSource};
-use crate::sensor::Load;
+use crate::sensor::{Load, MotionKind, MotionSensor};
 use crate::trace::Trace;
 
 /// The further impacts of an average draw their noise as shots whose number begins so many bits
@@ -33,7 +33,7 @@ pub fn signals(scene: &Scene, bench: &Bench<'_>, shot: u32) -> Vec<Option<Vec<f6
 pub fn volts(scene: &Scene, bench: &Bench<'_>, channel: &ChannelSetup) -> Vec<f64> {
     let load = input_load(&scene.scope.model, channel);
     let name = channel.input.as_deref().unwrap_or_default();
-    sensor_voltages(scene, bench, name, load).unwrap_or_else(|| {
+    input_voltages(scene, bench, name, load).unwrap_or_else(|| {
         let samples = bench.watches().first().map_or(0, |w| w.samples.len());
         vec![0.0; samples]
     })
@@ -44,7 +44,87 @@ pub fn external(scene: &Scene, bench: &Bench<'_>) -> Vec<f64> {
     let Some(name) = &scene.scope.external else { return Vec::new() };
     let model = &scene.scope.model;
     let load = Load { resistance: model.input_resistance, capacitance: model.input_capacitance };
-    sensor_voltages(scene, bench, name, load).unwrap_or_default()
+    input_voltages(scene, bench, name, load).unwrap_or_default()
+}
+
+/// Voltage of a generator's signal at its peak (V).
+const GENERATOR_PEAK: f64 = 1.0;
+/// Voltage of its sync output while the signal lasts (V).
+const SYNC_LEVEL: f64 = 5.0;
+
+/// Voltage of a sensor, or an output of the drive's generator, into a load (V).
+fn input_voltages(scene: &Scene, bench: &Bench<'_>, name: &str, load: Load) -> Option<Vec<f64>> {
+    let [generator, sync] = GENERATOR_OUTPUTS;
+    let Some((_, drive)) =
+        scene.chain.drives().next().filter(|_| [generator, sync].contains(&name))
+    else {
+        return motion_voltages(scene, bench, name)
+            .or_else(|| sensor_voltages(scene, bench, name, load));
+    };
+    let signal = &drive.signal;
+    let volts = |time: f64| {
+        if name == generator {
+            GENERATOR_PEAK * signal.at(time)[0]
+        } else {
+            let is_on = (0.0..=signal.length).contains(&time);
+            if is_on { SYNC_LEVEL } else { 0.0 }
+        }
+    };
+    // Without a probe nothing says how far the bench has come but the time itself.
+    let reached = bench.grid().samples_until(bench.time());
+    let samples = bench.watches().first().map_or(reached, |watch| watch.samples.len());
+    Some((0..samples).map(|sample| volts(bench.grid().time(sample))).collect())
+}
+
+/// Voltage of the sensor of motion `name`; none if there is no such sensor (V).
+fn motion_voltages(scene: &Scene, bench: &Bench<'_>, name: &str) -> Option<Vec<f64>> {
+    let place = scene.motion_sensors.iter().position(|sensor| sensor.name == name)?;
+    let (before, sensor) = (&scene.motion_sensors[..place], &scene.motion_sensors[place]);
+    let by_velocity = |s: &&MotionSensor| !matches!(s.kind, MotionKind::Accelerometer { .. });
+    let by_force = |s: &&MotionSensor| !matches!(s.kind, MotionKind::Vibrometer { .. });
+    let velocity = bench.motions().get(before.iter().filter(by_velocity).count());
+    let first = scene.sensors.len() + usize::from(scene.chain.wall_contact().is_some());
+    let force = bench.watches().get(first + before.iter().filter(by_force).count());
+    let interval = bench.grid().interval;
+    let measured = match sensor.kind {
+        MotionKind::Vibrometer { .. } => velocity?.samples.clone(),
+        MotionKind::Accelerometer { particle, .. } => {
+            let mass = scene.chain.bodies().get(scene.chain.body_of(particle))?.mass;
+            force?.samples.iter().map(|force| force / mass).collect()
+        }
+        MotionKind::StrainGauge { end, distance, speed } => {
+            let backing = scene.chain.supports()[end].backing()?;
+            // Into the rod.
+            let sign = if end == 0 { -1.0 } else { 1.0 };
+            let both = velocity?.samples.iter().zip(&force?.samples);
+            let departing = both.map(|(v, force)| 0.5 * (sign * v + force / backing.impedance));
+            let departing: Vec<f64> = departing.collect();
+            let delay = distance / speed;
+            let strain = |sample: usize| {
+                let at = |late: f64| between(&departing, sample as f64 - late / interval);
+                let returning =
+                    backing.echo.map_or(0.0, |echo| echo.reflection * at(echo.delay - delay));
+                (returning - at(delay)) / speed
+            };
+            (0..departing.len()).map(strain).collect()
+        }
+    };
+    Some(sensor.respond(&measured, interval))
+}
+
+/// `samples` at a place between two of them, by the cubic through the nearest four; 0 before the
+/// first (unit).
+fn between(samples: &[f64], place: f64) -> f64 {
+    let first = place.floor();
+    let sample = |offset: f64| {
+        let index = first + offset;
+        if index < 0.0 { 0.0 } else { samples.get(index as usize).copied().unwrap_or(0.0) }
+    };
+    let (t, [a, b, c, d]) = (place - first, [-1.0, 0.0, 1.0, 2.0].map(sample));
+    let third = (d - a) / 6.0 + 0.5 * (b - c);
+    let second = 0.5 * (a + c) - b;
+    let slope = c - b - second - third;
+    b + t * (slope + t * (second + t * third))
 }
 
 /// Voltage of the sensor `name` into a load (V).

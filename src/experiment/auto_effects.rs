@@ -64,7 +64,11 @@ pub fn resolve_auto_effects(scene: &Scene, integration: Integration) -> Cow<'_, 
 
 /// The decision in words.
 fn describe_decision(name: &str, change: f64, limit: f64) -> String {
-    if change.is_infinite() {
+    if name == "plasticity" && change == 0.0 {
+        "plasticity is off: no contact can reach the force at which it yields".to_owned()
+    } else if name == "plasticity" {
+        "plasticity is on: a contact may reach the force at which it yields".to_owned()
+    } else if change.is_infinite() {
         format!("{name} is on: its change has no known upper bound")
     } else if change < limit {
         format!(
@@ -88,6 +92,9 @@ pub fn change_upper_bound(scene: &Scene, name: &str) -> f64 {
     match name {
         "gravity" => by_gravity(scene),
         "magnet_law" => by_magnet_law(scene),
+        "plasticity" => by_plasticity(scene),
+        // What a drive will do to the chain is not bounded here.
+        _ if scene.chain.has_moving_walls() => f64::INFINITY,
         _ => LossKind::named(name).map_or(f64::INFINITY, |kind| by_loss(scene, kind)),
     }
 }
@@ -110,6 +117,28 @@ fn by_gravity(scene: &Scene) -> f64 {
         0.0
     };
     weight + striker
+}
+
+/// Nothing, if no contact can reach the force at which it yields: not even with all energy in it,
+/// that of motion, of the static overlaps and of all weights falling at the largest speed. Infinite
+/// otherwise (1).
+fn by_plasticity(scene: &Scene) -> f64 {
+    let chain = &scene.chain;
+    if chain.has_moving_walls() || chain.pull().is_some() {
+        return f64::INFINITY;
+    }
+    let energy = chain.energy(&chain.initial_state(&scene.initial_velocities));
+    let gravity = scene.spec.effects.gravity.map_or(0.0, |gravity| gravity.acceleration.abs());
+    let weight = gravity * chain.bodies().iter().map(|body| body.mass).sum::<f64>();
+    let fastest = scene.initial_velocities.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let falls = (fastest + gravity * scene.duration) * scene.duration;
+    let available = energy.kinetic + energy.elastic + weight * falls;
+    let may_yield = chain.contacts().iter().any(|contact| {
+        // `E = 2/5 A d^2.5`.
+        let overlap = (2.5 * available / contact.stiffness).powf(0.4);
+        contact.plastic.is_some_and(|law| overlap > law.first_overlap())
+    });
+    if may_yield { f64::INFINITY } else { 0.0 }
 }
 
 fn by_magnet_law(scene: &Scene) -> f64 {

@@ -10,6 +10,7 @@ use crate::motion::{IntegrateError, Integrator, Method, Scheme, Work};
 use super::extremes::Extremes;
 use super::frames::Frames;
 pub use super::grid::Grid;
+pub use super::motion_record::{MotionRecord, Mover};
 pub use super::probe_record::ProbeRecord;
 use super::pulse::PulseRecorder;
 
@@ -73,6 +74,7 @@ pub struct Bench<'a> {
     engine: Engine<'a>,
     grid: Grid,
     watches: Vec<ProbeRecord>,
+    motions: Vec<MotionRecord>,
     film: Frames,
     /// Taken beside frames: none where there are no frames.
     extremes: Option<Extremes>,
@@ -118,11 +120,26 @@ impl<'a> Bench<'a> {
             engine: Engine::start(set, chain, initial_velocities, method, probes),
             grid,
             watches: probes.iter().map(watch).collect(),
+            motions: Vec::new(),
             film: Frames::new(chain, frames, initial_velocities),
             extremes: (frames != Grid::NEVER).then(|| Extremes::new(chain, initial_velocities)),
             initial_velocities: initial_velocities.to_vec(),
             most_evaluations: u64::MAX,
         }
+    }
+
+    /// The bench, which samples the velocities of these `movers`, too.
+    pub fn following(mut self, movers: &[Mover]) -> Self {
+        let before = self.grid.samples_until(0.0);
+        let record = |mover: &Mover| {
+            let velocity = match mover {
+                Mover::Body(body) => self.initial_velocities.get(*body).copied(),
+                Mover::Wall(_) => None,
+            };
+            MotionRecord { mover: *mover, samples: vec![velocity.unwrap_or(0.0); before] }
+        };
+        self.motions = movers.iter().map(record).collect();
+        self
     }
 
     /// The bench, given up when it has taken more than `most` evaluations of all forces.
@@ -142,8 +159,8 @@ impl<'a> Bench<'a> {
         pulses: bool,
         progress: &mut dyn FnMut(f64),
     ) -> Result<(), IntegrateError> {
-        let Self { chain, engine, grid, watches, film, extremes, most_evaluations, .. } = self;
-        let (bodies, most) = (chain.bodies().len(), *most_evaluations);
+        let Self { chain, engine, grid, watches, motions, film, extremes, .. } = self;
+        let (bodies, most) = (chain.bodies().len(), self.most_evaluations);
         for watch in &mut *watches {
             let due = grid.samples_until(end).saturating_sub(watch.samples.len());
             watch.samples.reserve(due.min(SAMPLES_CAPACITY));
@@ -157,6 +174,9 @@ impl<'a> Bench<'a> {
                         tracker.advance(stepper);
                         let set = stepper.instructions();
                         watch.take_step(set, tracker, stepper.time(), *grid, pulses);
+                    }
+                    for motion in &mut *motions {
+                        motion.take(stepper.as_ref(), *grid);
                     }
                     film.take_step(chain, stepper);
                     if let Some(extremes) = extremes {
@@ -172,6 +192,9 @@ impl<'a> Bench<'a> {
                     integrator.prepare_interpolation();
                     for watch in &mut *watches {
                         watch.take(integrator.as_ref(), bodies, *grid, pulses);
+                    }
+                    for motion in &mut *motions {
+                        motion.take(integrator.as_ref(), *grid);
                     }
                     film.follow(chain, integrator.as_ref());
                     if let Some(extremes) = extremes {
@@ -192,6 +215,11 @@ impl<'a> Bench<'a> {
     /// The watched forces, in the order of the probes.
     pub fn watches(&self) -> &[ProbeRecord] {
         &self.watches
+    }
+
+    /// The sampled velocities, in the order of the movers.
+    pub fn motions(&self) -> &[MotionRecord] {
+        &self.motions
     }
 
     /// The watched forces, the bench given up.

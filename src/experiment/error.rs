@@ -30,7 +30,7 @@ pub enum RunError {
     },
     /// The method chosen by hand takes forces to follow from positions alone.
     #[error(
-        "found the method {method} for a scene with losses ({losses}), expected one that lets forces depend on velocity: {expected}"
+        "found the method {method} for a scene with {losses}, expected one that lets forces depend on velocity: {expected}"
     )]
     NotForLosses {
         /// The method.

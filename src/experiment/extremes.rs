@@ -4,7 +4,8 @@
 //! Between the ends of a step an overlap is largest where its closing speed is zero, which is found
 //! on the step's interpolant.
 
-use crate::chain::{Chain, Contact};
+use super::frames::past_of;
+use crate::chain::{Chain, Contact, Past};
 use crate::motion::{Integrator, Interpolant};
 use crate::numeric::roots::root;
 
@@ -33,6 +34,8 @@ pub struct Extremes {
     ends: Vec<[f64; 2]>,
     /// The same at the end of the present one.
     now: Vec<[f64; 2]>,
+    /// The same of the walls at the top and at the bottom at the end of the last step.
+    walls: [[f64; 2]; 2],
 }
 
 impl Extremes {
@@ -46,6 +49,7 @@ impl Extremes {
             time: 0.0,
             ends: velocities.iter().map(|velocity| [0.0, *velocity]).collect(),
             now: Vec::with_capacity(velocities.len()),
+            walls: [[0.0; 2]; 2],
         }
     }
 
@@ -53,7 +57,7 @@ impl Extremes {
     pub fn forces(&self, chain: &Chain) -> Vec<f64> {
         let both = self.changes.iter().zip(&self.lossy_forces);
         let force = |(contact, (change, lossy)): (&Contact, (&f64, &f64))| match contact.loss {
-            None => contact.static_force + contact.force_change(*change),
+            None => contact.static_force + contact.force_change_after(*change, 0.0).0,
             Some(_) => *lossy,
         };
         chain.contacts().iter().zip(both).map(force).collect()
@@ -65,10 +69,16 @@ impl Extremes {
         self.now.extend((0..self.ends.len()).map(|body| integrator.body(body)));
         let length = integrator.time() - self.time;
         self.time = integrator.time();
-        let (mut before_above, mut after_above) = ([0.0; 2], [0.0; 2]);
+        let walls_before = self.walls;
+        if chain.has_moving_walls() {
+            let wall = |end| integrator.wall(end);
+            self.walls = [0, 1].map(wall).map(|wall| [wall.position(1.0), wall.velocity(1.0)]);
+        }
+        let [mut before_above, last_before] = walls_before;
+        let [mut after_above, last_after] = self.walls;
         for (j, contact) in chain.contacts().iter().enumerate() {
-            let before_below = self.ends.get(j).copied().unwrap_or_default();
-            let after_below = self.now.get(j).copied().unwrap_or_default();
+            let before_below = self.ends.get(j).copied().unwrap_or(last_before);
+            let after_below = self.now.get(j).copied().unwrap_or(last_after);
             let before = difference(before_above, before_below);
             let after = difference(after_above, after_below);
             (before_above, after_above) = (before_below, after_below);
@@ -86,7 +96,8 @@ impl Extremes {
                 }
                 continue;
             }
-            self.take_lossy(contact, integrator, j, (before, after), turns);
+            let past = past_of(chain, integrator, j);
+            self.take_lossy(contact, integrator, (j, past), (before, after), turns);
         }
         if let Some((body, _)) = chain.pull() {
             let (before, after) = (self.ends[body], self.now[body]);
@@ -106,13 +117,12 @@ impl Extremes {
         &mut self,
         contact: &Contact,
         integrator: &dyn Integrator,
-        j: usize,
+        (j, past): (usize, Past),
         (before, after): ([f64; 2], [f64; 2]),
         turns: bool,
     ) {
-        let closed = integrator.was_on(j);
         let force = |[change, closing]: [f64; 2]| {
-            contact.static_force + contact.lossy_force_change(change, closing, closed)
+            contact.static_force + contact.lossy_force_change(change, closing, past)
         };
         let (start, end) = (force(before), force(after));
         let at_ends = start.max(end);
@@ -145,8 +155,8 @@ fn difference(above: [f64; 2], below: [f64; 2]) -> [f64; 2] {
 /// The same of contact `j` in a chain of so many `bodies`, at a share of the last step.
 fn between(integrator: &dyn Integrator, bodies: usize, j: usize) -> impl Fn(f64) -> [f64; 2] {
     let motion = |body: usize| integrator.interpolant(body);
-    let above = j.checked_sub(1).map_or(Interpolant::REST, motion);
-    let below = if j < bodies { motion(j) } else { Interpolant::REST };
+    let above = j.checked_sub(1).map_or_else(|| integrator.wall(0), motion);
+    let below = if j < bodies { motion(j) } else { integrator.wall(1) };
     move |theta| {
         let at = |path: &Interpolant| [path.position(theta), path.velocity(theta)];
         difference(at(&above), at(&below))

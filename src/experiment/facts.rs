@@ -11,6 +11,7 @@ use crate::recording::{Attachment, TraceSet};
 use crate::scene::{PlacedSensor, Scene, Site, gain_u, input_load};
 use crate::scope::Deviation;
 use crate::scope::set_up::set_up_text;
+use crate::sensor::MotionKind;
 
 /// Metadata records by name.
 pub type Facts = BTreeMap<String, BTreeMap<String, String>>;
@@ -58,6 +59,26 @@ pub fn facts(scene: &Scene, integration: Integration) -> Result<Facts, RunError>
             ("set_up", set_up_text(setup)),
         ],
     );
+    for (number, sensor) in (1..).zip(&scene.motion_sensors) {
+        let place = match sensor.kind {
+            MotionKind::Vibrometer { particle, .. }
+            | MotionKind::Accelerometer { particle, .. } => {
+                format!("particle {particle}")
+            }
+            MotionKind::StrainGauge { end, distance, .. } => {
+                let end = if end == 0 { "top" } else { "bottom" };
+                format!("rod at the {end}, {distance} m from its face")
+            }
+        };
+        let pairs = vec![
+            ("name", sensor.name.clone()),
+            ("kind", sensor.kind.name().to_owned()),
+            ("site", place),
+            ("unit", sensor.kind.unit().to_owned()),
+            ("sensitivity_v_per_unit", sensor.sensitivity.to_string()),
+        ];
+        add(&format!("hertzscope:motion_sensor/{number}"), pairs);
+    }
     for (number, sensor) in (1..).zip(&scene.sensors) {
         add(&format!("hertzscope:sensor/{number}"), sensor_facts(scene, sensor));
     }

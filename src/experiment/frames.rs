@@ -2,7 +2,7 @@
 
 use super::grid::Grid;
 use crate::chain::Chain;
-use crate::chain::State;
+use crate::chain::{Past, State};
 use crate::motion::kernel::VectorStepper;
 use crate::motion::{Integrator, Interpolant};
 
@@ -27,7 +27,10 @@ impl Frames {
             Self { grid, contact_forces: Vec::new(), displacements: Vec::new(), count: 0 };
         if grid.time(0) <= 0.0 {
             let State { position, velocity, .. } = chain.initial_state(velocities);
-            frames.take(chain, (&position, &velocity), &|_| true);
+            let largest =
+                |j| chain.accounts().plastic.map_or(0.0, |first: usize| velocity[first + j]);
+            let past = |j| Past { closed: true, largest: largest(j) };
+            frames.take(chain, [[0.0; 2]; 2], (&position, &velocity), &past);
         }
         frames
     }
@@ -49,11 +52,14 @@ impl Frames {
         }
         let motion: Vec<Interpolant> =
             (0..chain.bodies().len()).map(|body| integrator.interpolant(body)).collect();
+        let walls = [0, 1].map(|end| integrator.wall(end));
         while self.next() <= end {
             let theta = (self.next() - start) / length;
+            let walls = walls.map(|wall| [wall.position(theta), wall.velocity(theta)]);
             let position: Vec<f64> = motion.iter().map(|m| m.position(theta)).collect();
             let velocity: Vec<f64> = motion.iter().map(|m| m.velocity(theta)).collect();
-            self.take(chain, (&position, &velocity), &|contact| integrator.was_on(contact));
+            let past = |contact| past_of(chain, integrator, contact);
+            self.take(chain, walls, (&position, &velocity), &past);
         }
     }
 
@@ -80,15 +86,30 @@ impl Frames {
         self.grid.time(self.count)
     }
 
-    fn take(&mut self, chain: &Chain, motion: (&[f64], &[f64]), closed: &dyn Fn(usize) -> bool) {
+    fn take(
+        &mut self,
+        chain: &Chain,
+        walls: [[f64; 2]; 2],
+        motion: (&[f64], &[f64]),
+        past: &dyn Fn(usize) -> Past,
+    ) {
         let (position, velocity) = motion;
         self.begin(chain);
         for (j, forces) in self.contact_forces.iter_mut().enumerate() {
-            forces.push(chain.contact_force(position, velocity, j, closed(j)));
+            let force = chain.contact_force_between(walls, position, velocity, j, past(j));
+            forces.push(force);
         }
         for (track, x) in self.displacements.iter_mut().zip(position) {
             track.push(*x);
         }
         self.count += 1;
     }
+}
+
+/// What decides on the force of a contact of `chain` over the integrator's last step beside its
+/// motion.
+pub(super) fn past_of(chain: &Chain, integrator: &dyn Integrator, contact: usize) -> Past {
+    let account = chain.accounts().plastic.map(|first| first + contact);
+    let largest = account.map_or(0.0, |place| integrator.interpolant(place).velocity(0.0));
+    Past { closed: integrator.was_on(contact), largest }
 }

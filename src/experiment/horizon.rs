@@ -74,7 +74,7 @@ fn difference(chain: &Chain, found: &State, exact: &State, scales: &mut (f64, f6
     for (j, contact) in chain.contacts().iter().enumerate().filter(|(_, c)| c.stiffness > 0.0) {
         // The width of a gap bears nothing.
         let change =
-            |state: &State| chain.overlap_change(&state.position, j).max(-contact.static_overlap);
+            |state: &State| chain.overlap_change_in(state, j).max(-contact.static_approach());
         overlap = overlap.max((change(found) - change(exact)).abs());
         scales.0 = scales.0.max(change(exact).abs());
     }

@@ -9,6 +9,9 @@ use crate::scene::Scene;
 /// Methods for losses.
 const FOR_LOSSES: &str =
     "runge-kutta-4, dormand-prince-54, dormand-prince-853 or rodas, or --accuracy instead";
+/// Methods for walls that move.
+const FOR_MOVING_WALLS: &str =
+    "runge-kutta-4, dormand-prince-54 or dormand-prince-853, or --accuracy instead";
 /// Losses are stiff where the decay of a contact, in units of its own angular frequency, exceeds
 /// this. Stability and not accuracy limits the explicit pair beyond, and errors of first peaks are
 /// many times what its steps tolerate: 19 times at 0.81, 130 times at 1.3 (hundreds of tolerances
@@ -88,8 +91,10 @@ fn two_step(chain: &Chain, accuracy: f64) -> Option<Method> {
 
 /// The method with error control that serves `accuracy` (1).
 pub fn controlled_for(chain: &Chain, velocities: &[f64], accuracy: f64) -> Method {
-    if !chain.is_dissipative() {
+    if !chain.needs_general_method() {
         for_accuracy(accuracy)
+    } else if chain.needs_explicit_method() {
+        Method::DormandPrince853 { tolerance: accuracy / LOSS_MARGIN }
     } else if accuracy > LOOSE_ACCURACY || chain.largest_damping(velocities) > STIFF_DAMPING {
         Method::Rodas { tolerance: accuracy / STIFF_LOSS_MARGIN }
     } else {
@@ -100,6 +105,16 @@ pub fn controlled_for(chain: &Chain, velocities: &[f64], accuracy: f64) -> Metho
 /// The pair that serves `accuracy` without losses (1).
 pub fn for_accuracy(accuracy: f64) -> Method {
     Method::DormandElMikkawyPrince86 { tolerance: accuracy }
+}
+
+/// Whether `method` may serve `chain`: forces that follow from more than positions need a general
+/// one, and the implicit one knows the tangents of losses alone.
+pub(crate) fn serves(chain: &Chain, method: Method) -> bool {
+    if chain.needs_explicit_method() {
+        method.suits(true) && method.suits(false)
+    } else {
+        method.suits(chain.is_dissipative())
+    }
 }
 
 /// Whether contacts are preloaded, all but a striker's: they stay about as stiff as they will be at
@@ -116,6 +131,11 @@ fn is_preloaded(chain: &Chain, velocities: &[f64]) -> bool {
 /// [`RunError`] where the method is not made for losses, or for nothing else, and where its step is
 /// too long for them.
 fn refuse(scene: &Scene, method: Method) -> Result<(), RunError> {
+    if scene.chain.needs_explicit_method() && !serves(&scene.chain, method) {
+        let losses = "a drive, rod, plate or plastic contacts".to_owned();
+        let (method, expected) = (method.name(), FOR_MOVING_WALLS);
+        return Err(RunError::NotForLosses { method, losses, expected });
+    }
     if !scene.chain.is_dissipative() {
         let refused = RunError::OnlyForLosses { method: method.name() };
         return if method.suits(false) { Ok(()) } else { Err(refused) };
@@ -124,7 +144,8 @@ fn refuse(scene: &Scene, method: Method) -> Result<(), RunError> {
         let losses = LOSS_MODELS.iter().zip(&scene.spec.effects.losses);
         let losses: Vec<&str> =
             losses.filter(|(_, spec)| spec.is_some()).map(|(model, _)| model.name).collect();
-        let (method, losses) = (method.name(), losses.join(", "));
+        let losses = format!("losses ({})", losses.join(", "));
+        let method = method.name();
         return Err(RunError::NotForLosses { method, losses, expected: FOR_LOSSES });
     }
     let (Some((step, _)), Some(reach)) = (method.fixed_step(), method.decay_reach()) else {

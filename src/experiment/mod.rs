@@ -24,6 +24,7 @@ pub mod horizon;
 #[doc(hidden)]
 pub mod inputs;
 pub(crate) mod method_choice;
+mod motion_record;
 mod notes;
 pub mod outcome;
 pub mod paper_speeds;

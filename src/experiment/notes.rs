@@ -43,6 +43,7 @@ pub fn notes(
             notes.push(note.with("samples", clipped));
         }
     }
+    notes.extend(echoes(scene));
     notes.extend(sensors.iter().filter(|s| s.first_peak.is_none()).map(no_peak));
     if let Some(extremes) = extremes {
         let forces = extremes.forces(&scene.chain);
@@ -91,7 +92,9 @@ fn level_in_hysteresis(scene: &Scene) -> Option<Note> {
 }
 
 fn not_triggered(scene: &Scene, found: Option<TriggerPosition>) -> Option<Note> {
-    if found.is_some_and(|found| found.crossed) {
+    let mut channels = scene.scope.channels.iter().flatten();
+    let is_connected = channels.any(|channel| channel.input.is_some());
+    if found.is_some_and(|found| found.crossed) || !is_connected {
         return None;
     }
     let interval = scene.scope.signal_interval();
@@ -110,6 +113,24 @@ fn not_triggered(scene: &Scene, found: Option<TriggerPosition>) -> Option<Note> 
         ),
     };
     Some(note.with("interval_s", interval))
+}
+
+/// Rods whose far ends return echoes while the record is taken.
+fn echoes(scene: &Scene) -> impl Iterator<Item = Note> {
+    let (_, span) = scene.scope.record_span();
+    let end = scene.duration.max(span);
+    let ends = scene.chain.supports().iter().zip(["top", "bottom"]);
+    ends.filter_map(move |(support, place)| {
+        let delay = support.backing()?.echo?.delay;
+        (delay < end).then(|| {
+            let sentence = format!(
+                "the rod at the {place} returns an echo {} after each force on it, within the record of {}",
+                engineering(delay, "s", 4),
+                engineering(end, "s", 3)
+            );
+            Note::new("echo_within_record", sentence).with("end", place).with("delay_s", delay)
+        })
+    })
 }
 
 fn no_peak(sensor: &Reading) -> Note {
@@ -174,7 +195,7 @@ fn yielding(chain: &Chain, forces: &[f64]) -> Option<Note> {
     let mut count = 0;
     for (j, (contact, &most)) in chain.contacts().iter().zip(forces).enumerate() {
         let Some(limit) = contact.yield_force else { continue };
-        if most > limit {
+        if most > limit && contact.plastic.is_none() {
             count += 1;
             if worst.is_none_or(|(force, other, _)| most / limit > force / other) {
                 worst = Some((most, limit, j));
@@ -185,7 +206,7 @@ fn yielding(chain: &Chain, forces: &[f64]) -> Option<Note> {
     let (upper, lower) = chain.beside(j);
     let exceed = if count == 1 { "contact exceeds" } else { "contacts exceed" };
     let sentence = format!(
-        "{count} {exceed} the force at which the softer body yields ({} between {upper} and {lower}, yields at {}): plastic deformation is not simulated, real peaks will be lower",
+        "{count} {exceed} the force at which the softer body yields ({} between {upper} and {lower}, yields at {}): [effects.plasticity] is off, real peaks will be lower",
         engineering(force, "N", 3),
         engineering(limit, "N", 2)
     );

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::paper_speeds::PaperSpeed;
 use super::pulse::{FOOT_SHARE, HALF_RISE_SHARE, PEAK_SHARE, PassedOver, Peak, PulseRecorder};
-use crate::chain::{Chain, Dissipated, Energy};
+use crate::chain::{Chain, ContactLoss, ContactOverride, Dissipated, Energy, LossKind, LossSpec};
 use crate::note::Note;
 use crate::quantity::engineering;
 use crate::recording::Shot;
@@ -79,6 +79,10 @@ pub struct Summary {
     pub wall: Option<Reading>,
     /// Speeds between pairs of particles with sensors, by every estimator.
     pub speeds: Vec<Speed>,
+    /// Velocities of all bodies at the end of the record, the striker first, where there are no
+    /// sensors; downward positive (m/s).
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub final_velocities_m_per_s: Vec<f64>,
     /// The paper's speeds for this scene, from particle 14 to 27.
     pub paper: Option<PaperSpeed>,
     /// Whether the scope triggered, and when.
@@ -334,6 +338,26 @@ pub fn effects(scene: &Scene) -> Vec<(String, String)> {
         let (force, distance) = (engineering(magnet.force, "N", 4), pull.distance);
         let _ = write!(set, "; {force} at rest, {} away", engineering(distance, "m", 4));
     }
+    for kind in LossKind::ALL {
+        let given = |spec: &LossSpec| {
+            let of = |own: &ContactOverride| own.restitution.is_some();
+            spec.restitution.is_some() || spec.overrides.iter().any(of)
+        };
+        let model = kind.model();
+        let coefficient = |loss: ContactLoss| loss.coefficients()[kind as usize];
+        let losses = scene.chain.contacts().iter().filter_map(|contact| contact.loss);
+        let range = losses.map(coefficient).fold(None, |range: Option<[f64; 2]>, value| {
+            let [low, high] = range.unwrap_or([value; 2]);
+            Some([low.min(value), high.max(value)])
+        });
+        let is_given = scene.spec.effects.loss(kind).is_some_and(given);
+        if let (true, Some([low, high])) = (is_given, range)
+            && let Some((_, set)) = effects.iter_mut().find(|(name, _)| name == model.name)
+        {
+            let [low, high] = [low, high].map(|value| engineering(value, model.unit, 4));
+            let _ = write!(set, "; {} {low} to {high}", model.label);
+        }
+    }
     if let (Some(spread), Some(speed)) = (scene.striker_speed_spread, scene.striker_speed()) {
         let set = format!("{} % around {}", 100.0 * spread, engineering(speed, "m/s", 3));
         effects.push(("striker_speed_spread".to_owned(), set));
@@ -389,7 +413,7 @@ pub struct EnergyLedger {
     pub initial: f64,
     /// At the end (J).
     pub r#final: f64,
-    /// Booked as lost by the effects that were on (J).
+    /// Booked as lost by the effects that were on; what a drive has put in is apart (J).
     pub dissipated: f64,
     /// What [`drift`] says: the integrator's error (1).
     pub drift: f64,
@@ -404,7 +428,7 @@ pub struct EnergyLedger {
 impl EnergyLedger {
     /// The ledger of a run from its `initial` to its `last` energy.
     pub fn new(initial: Energy, last: Energy, taken: Dissipated) -> Self {
-        let (before, after, dissipated) = (initial.total(), last.total(), taken.total());
+        let (before, after, dissipated) = (initial.total(), last.total(), taken.lost());
         Self {
             initial: before,
             r#final: after,
@@ -424,16 +448,19 @@ impl EnergyLedger {
 
     /// Whether what has been made or lost may be rounding of all that is stored.
     pub fn is_rounding(&self) -> bool {
-        let made = self.r#final + self.dissipated - self.initial;
+        let made = self.r#final + self.dissipated_by_kind.total() - self.initial;
         made.abs() <= ROUNDING * self.initial.abs()
     }
 }
 
-/// `(after + taken - before)` over the kinetic energy before or after, whichever is more: what a
+/// `(after + taken - before)` over the kinetic energy before or after, or the work of a drive,
+/// whichever is more: what a
 /// method has made of energy, as a share of that in motion. Static overlaps, which may hold a
 /// thousand times as much, do not hide it; what they round to is in it (1).
 pub fn drift(before: &Energy, after: &Energy, taken: &Dissipated) -> f64 {
-    (after.total() + taken.total() - before.total()) / before.kinetic.max(after.kinetic)
+    let work = taken.work_of_drive.unwrap_or(0.0).abs();
+    let moving = before.kinetic.max(after.kinetic).max(work);
+    (after.total() + taken.total() - before.total()) / moving
 }
 
 #[cfg(test)]

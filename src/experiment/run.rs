@@ -5,7 +5,7 @@ use std::time::Instant;
 use rand_distr::{Distribution, StandardUniform};
 
 use super::acquisition::{record, signals, trigger};
-use super::bench::{Bench, Grid, ProbeRecord};
+use super::bench::{Bench, Grid, Mover, ProbeRecord};
 use super::error::RunError;
 use super::method_choice::Integration;
 use super::outcome::EnergyLedger;
@@ -17,6 +17,7 @@ use crate::recording::Shot;
 use crate::scene::{Scene, Site};
 use crate::scope::acquire::TriggerPosition;
 use crate::scope::front_end::noise_stream;
+use crate::sensor::{MotionKind, MotionSensor};
 
 /// Samples kept before the earliest that a record can need.
 const SPARE_SAMPLES: f64 = 20.0;
@@ -160,6 +161,14 @@ impl<'a> Run<'a> {
         Ok(Outcome { summary: self.summarise(&shot, accuracy, found), shot })
     }
 
+    /// Velocities of all bodies now, where there are no sensors to look at (m/s).
+    fn final_velocities(&self) -> Vec<f64> {
+        let bodies = self.scene.chain.bodies().len();
+        let is_alone = self.scene.sensors.is_empty() && self.scene.motion_sensors.is_empty();
+        let velocity = self.bench.state().velocity;
+        velocity.into_iter().take(if is_alone { bodies } else { 0 }).collect()
+    }
+
     fn summarise(
         &self,
         shot: &Shot,
@@ -193,6 +202,7 @@ impl<'a> Run<'a> {
             effect_settings: effects.iter().map(|(name, set)| format!("{name}: {set}")).collect(),
             effects: effects.into_iter().map(|(name, _)| name).collect(),
             energy: self.energy(),
+            final_velocities_m_per_s: self.final_velocities(),
             paper: paper_speeds::speed_of(scene),
             speeds: outcome::speeds(&scene.chain, &sensors),
             wall,
@@ -239,13 +249,15 @@ pub(crate) fn scene_bench<'a>(
     frames: Grid,
 ) -> Bench<'a> {
     Bench::new(&scene.chain, velocities, method, &probes(scene), samples, frames)
+        .following(&movers(scene))
 }
 
 /// Readings at the places of [`scene_bench`].
 pub(crate) fn read_places(scene: &Scene, bench: &Bench<'_>) -> Vec<Reading> {
     let places =
         scene.sensors.iter().map(|placed| (placed.name.as_str(), placed.site, placed.offset));
-    let places = places.chain([("wall", Site::Wall, 0.0)]).zip(bench.watches());
+    let wall = scene.chain.wall_contact().map(|_| ("wall", Site::Wall, 0.0));
+    let places = places.chain(wall).zip(bench.watches());
     let reading = |((name, site, offset), watch): ((&str, Site, f64), &ProbeRecord)| {
         let particle = match site {
             Site::Particle(particle) => Some(particle),
@@ -272,5 +284,28 @@ fn probes(scene: &Scene) -> Vec<ForceProbe> {
         Site::Wall => wall(),
     };
     let sensors = scene.sensors.iter().filter_map(|s| sensor(s.site, s.offset));
-    sensors.chain(wall()).collect()
+    sensors.chain(wall()).chain(motion_probes(scene)).collect()
+}
+
+/// What sensors of motion measure by a force: of accelerometers the net force on their particles,
+/// of strain gauges that on their rods.
+fn motion_probes(scene: &Scene) -> impl Iterator<Item = ForceProbe> {
+    let chain = &scene.chain;
+    scene.motion_sensors.iter().filter_map(|sensor| match sensor.kind {
+        MotionKind::Vibrometer { .. } => None,
+        MotionKind::Accelerometer { particle, .. } => ForceProbe::net(chain, particle),
+        MotionKind::StrainGauge { end, .. } => {
+            ForceProbe::contact(chain, if end == 0 { 0 } else { chain.bodies().len() })
+        }
+    })
+}
+
+/// What sensors of motion measure by a velocity.
+fn movers(scene: &Scene) -> Vec<Mover> {
+    let mover = |sensor: &MotionSensor| match sensor.kind {
+        MotionKind::Vibrometer { particle, .. } => Some(Mover::Body(scene.chain.body_of(particle))),
+        MotionKind::Accelerometer { .. } => None,
+        MotionKind::StrainGauge { end, .. } => Some(Mover::Wall(end)),
+    };
+    scene.motion_sensors.iter().filter_map(mover).collect()
 }

@@ -72,6 +72,8 @@ pub struct StepControl {
     step: f64,
     /// A step grows at most by this factor (1).
     growth: f64,
+    /// No step is longer than this (s).
+    longest: f64,
     /// The step is scaled by the error to this power, -1/(p + 1) for an error estimate of order p
     /// (1).
     exponent: f64,
@@ -95,12 +97,24 @@ impl StepControl {
     /// Starts with `step` (s); a step's error goes as its length to the power `error_order + 1`.
     pub fn new(step: f64, error_order: u8) -> Self {
         let exponent = -1.0 / f64::from(error_order + 1);
-        Self { step, growth: MAX_CHANGE, exponent, after_rejection: false, non_finite: None }
+        Self {
+            step,
+            growth: MAX_CHANGE,
+            longest: f64::INFINITY,
+            exponent,
+            after_rejection: false,
+            non_finite: None,
+        }
     }
 
     /// Lets steps grow by no more than `growth` (1).
     pub fn growing(self, growth: f64) -> Self {
         Self { growth, ..self }
+    }
+
+    /// Lets no step be longer than `longest` (s).
+    pub fn up_to(self, longest: f64) -> Self {
+        Self { longest, step: self.step.min(longest), ..self }
     }
 
     /// The step to try from `start` towards `end` (s).
@@ -145,7 +159,7 @@ impl StepControl {
         let wanted = if accepted && self.after_rejection { change.min(1.0) } else { change };
         // A step cut short by the interval's end says nothing against longer ones.
         let least = if accepted && trial.cut_short { self.step } else { 0.0 };
-        self.step = (trial.length * wanted).max(least);
+        self.step = (trial.length * wanted).max(least).min(self.longest);
         self.after_rejection = !accepted;
         accepted
     }

@@ -2,33 +2,45 @@
 
 use std::sync::Arc;
 
-use super::hermite::{COEFFICIENTS, Interpolant};
+use super::hermite::{COEFFICIENTS, Interpolant, derivative, horner};
 use super::integrator::Integrator;
-use crate::chain::ForceProbe;
 use crate::chain::probe::{Around, CONTACTS};
+use crate::chain::{ForceProbe, Past};
 
 /// The probe's view of the integrator's last step, whose interpolation is prepared.
 pub fn over_step(probe: &ForceProbe, integrator: &dyn Integrator, bodies: usize) -> ForceSegment {
     let here = probe.body();
-    let motion = |index: Option<usize>| {
-        index.filter(|i| *i < bodies).map_or(Interpolant::REST, |i| integrator.interpolant(i))
+    let (start, length) = integrator.last_step();
+    // Beside the outermost bodies are walls.
+    let motion = |index: Option<usize>| match index {
+        None => integrator.wall(0),
+        Some(index) if index < bodies => integrator.interpolant(index),
+        Some(_) => integrator.wall(1),
     };
-    let beyond = |index: Option<usize>| motion(index.filter(|_| probe.is_lossy()));
+    let beyond = |is_there: bool, index: Option<usize>| {
+        if is_there && probe.is_lossy() { motion(index) } else { Interpolant::REST }
+    };
     let along = [
-        beyond(here.checked_sub(2)),
+        beyond(here > 0, here.checked_sub(2)),
         motion(here.checked_sub(1)),
         motion(Some(here)),
         motion(Some(here + 1)),
-        beyond(Some(here + 2)),
+        beyond(here + 1 < bodies, Some(here + 2)),
     ];
-    let (start, length) = integrator.last_step();
-    let closed =
-        [here.wrapping_sub(1), here, here + 1, here + 2].map(|contact| integrator.was_on(contact));
+    let slope = |wall: &Interpolant, is_beside: bool| {
+        if is_beside { derivative(&wall.velocity, length) } else { [0.0; COEFFICIENTS] }
+    };
+    let walls = [slope(&along[1], here == 0), slope(&along[3], here + 1 == bodies)];
+    let past = [here.wrapping_sub(1), here, here + 1, here + 2].map(|contact| {
+        let account = probe.around().plastic.filter(|_| contact <= bodies);
+        let largest = account.map(|first| integrator.interpolant(first + contact).velocity(0.0));
+        Past { closed: integrator.was_on(contact), largest: largest.unwrap_or(0.0) }
+    });
     let pull = probe.around().pull.as_ref().filter(|_| probe.is_lossy());
     let pulled = pull.map(|(place, _)| Box::new(along[place + 1]));
     let anew = integrator.starts_anew();
     let (motion, around) = (Motion::between(&along), Arc::clone(probe.around()));
-    ForceSegment { around, start, length, motion, pulled, closed, anew }
+    ForceSegment { around, start, length, motion, walls, pulled, past, anew }
 }
 
 /// How the overlaps of the contacts around a probe change, and how fast, over a step: coefficients
@@ -73,10 +85,13 @@ pub struct ForceSegment {
     /// Length of the step (s).
     pub length: f64,
     motion: Motion,
+    /// Accelerations of walls beside the probe's body: coefficients of the powers of the step's
+    /// fraction (m/s²).
+    walls: [[f64; COEFFICIENTS]; 2],
     /// The body that a magnet pulls as it moves.
     pulled: Option<Box<Interpolant>>,
-    /// Whether each contact counted as closed.
-    closed: [bool; CONTACTS],
+    /// Whether each contact counted as closed, and its largest overlap before.
+    past: [Past; CONTACTS],
     /// Whether a switch has changed just before the step: the force may have jumped.
     pub anew: bool,
 }
@@ -85,15 +100,8 @@ impl ForceSegment {
     /// Dynamic force, the static one subtracted, at the fraction `theta` of the step (N).
     pub fn force(&self, theta: f64) -> f64 {
         let [changes, closing] = self.motion.at(theta);
-        let Around { contacts, weights, is_lossy, .. } = &*self.around;
-        let of = |i: usize| {
-            let contact = &contacts[i];
-            if *is_lossy {
-                contact.lossy_force_change(changes[i], closing[i], self.closed[i])
-            } else {
-                contact.force_change(changes[i])
-            }
-        };
+        let Around { contacts, weights, .. } = &*self.around;
+        let of = |i: usize| contacts[i].lossy_force_change(changes[i], closing[i], self.past[i]);
         weights[0] * of(1) + weights[1] * of(2)
     }
 
@@ -108,19 +116,20 @@ impl ForceSegment {
         let [changes, closing] = self.motion.at(theta);
         let Around { contacts, weights, is_lossy, inertia, .. } = &*self.around;
         let felt =
-            |i: usize| contacts[i].lossy_change_and_slopes(changes[i], closing[i], self.closed[i]);
+            |i: usize| contacts[i].lossy_change_and_slopes(changes[i], closing[i], self.past[i]);
         let [(above, slopes_above), (below, slopes_below)] = [felt(1), felt(2)];
         let force = weights[0] * above + weights[1] * below;
         let mut gained = [0.0; 2];
         if *is_lossy {
             let beyond =
-                |i: usize| contacts[i].lossy_force_change(changes[i], closing[i], self.closed[i]);
+                |i: usize| contacts[i].lossy_force_change(changes[i], closing[i], self.past[i]);
             let forces = [beyond(0), above, below, beyond(3)];
             let [upper, here, lower] = [0, 1, 2].map(|i| {
                 let (inverse_mass, rest) = inertia[i];
                 (forces[i] - forces[i + 1] + self.pull(i, theta)) * inverse_mass + rest
             });
-            gained = [upper - here, here - lower];
+            let [top, bottom] = self.walls.each_ref().map(|wall| horner(wall, theta));
+            gained = [upper + top - here, here - lower - bottom];
         }
         let rates = [(1, slopes_above), (2, slopes_below)]
             .map(|(i, [stiffness, damping])| stiffness * closing[i] + damping * gained[i - 1]);

@@ -34,7 +34,35 @@ impl Interpolant {
     }
 }
 
-fn horner(coefficients: &[f64; COEFFICIENTS], theta: f64) -> f64 {
+/// Fractions of a step at which a motion is interpolated that is known by its values: Chebyshev's
+/// nodes (1).
+pub fn nodes() -> [f64; COEFFICIENTS] {
+    std::array::from_fn(|i| {
+        let angle = std::f64::consts::PI * (i as f64 + 0.5) / COEFFICIENTS as f64;
+        0.5 * (1.0 - angle.cos())
+    })
+}
+
+/// Coefficients of the polynomial with these values at [`nodes`], by divided differences (unit).
+pub fn through_nodes(values: [f64; COEFFICIENTS]) -> [f64; COEFFICIENTS] {
+    let (nodes, mut differences) = (nodes(), values);
+    for order in 1..COEFFICIENTS {
+        for i in (order..COEFFICIENTS).rev() {
+            differences[i] = (differences[i] - differences[i - 1]) / (nodes[i] - nodes[i - order]);
+        }
+    }
+    let mut powers = [0.0; COEFFICIENTS];
+    for (node, difference) in nodes.iter().zip(differences).rev() {
+        for power in (1..COEFFICIENTS).rev() {
+            powers[power] = powers[power - 1] - node * powers[power];
+        }
+        powers[0] = difference - node * powers[0];
+    }
+    powers
+}
+
+/// Value of a polynomial with these coefficients (unit).
+pub fn horner(coefficients: &[f64; COEFFICIENTS], theta: f64) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, c| sum * theta + c)
 }
 
@@ -140,7 +168,8 @@ fn rises(from: End, to: End, h: f64) -> (f64, f64, f64) {
     (p, q, r)
 }
 
-fn derivative(position: &[f64; COEFFICIENTS], h: f64) -> [f64; COEFFICIENTS] {
+/// Rate of a polynomial over a step of length `h` (s), whose coefficients are these (unit).
+pub fn derivative(position: &[f64; COEFFICIENTS], h: f64) -> [f64; COEFFICIENTS] {
     let mut velocity = [0.0; COEFFICIENTS];
     if h > 0.0 {
         for (power, (v, x)) in (1_u8..).zip(velocity.iter_mut().zip(&position[1..])) {

@@ -95,6 +95,13 @@ pub trait Integrator {
     /// [`Integrator::prepare_interpolation`].
     fn interpolant(&self, body: usize) -> Interpolant;
 
+    /// Motion of the wall at an end, 0 at the top and 1 at the bottom, over the last step; after
+    /// [`Integrator::prepare_interpolation`].
+    fn wall(&self, end: usize) -> Interpolant {
+        let _ = end;
+        Interpolant::REST
+    }
+
     /// Position (m) and velocity of `body` at the end of the last step (m/s).
     fn body(&self, body: usize) -> [f64; 2];
 

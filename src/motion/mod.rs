@@ -29,5 +29,5 @@ pub use hermite::{COEFFICIENTS, Interpolant};
 pub use integrator::{IntegrateError, Integrator, Restart, Work};
 pub use method::{GeneralScheme, LosslessScheme, Method, Scheme};
 pub use rodas::Rodas;
-pub use system::{Linearised, Motion, Scales, Sides, Switching, System, Tridiagonal};
+pub use system::{Linearised, Motion, Scales, Sides, Switching, System, Tridiagonal, Turning};
 pub use two_step::Pacing;

@@ -123,12 +123,13 @@ impl<'a> RungeKuttaIntegrator<'a> {
         let zero = [vec![0.0; n], vec![0.0; n]];
         let scales = system.scales(&state.position, &state.velocity);
         let first = || first_step_of(system.as_ref(), &state);
+        let longest = system.longest_step();
+        let controlled =
+            |order: u8| Steps::Controlled(StepControl::new(first(), order).up_to(longest), setting);
         let steps = match method.error {
             StepError::None => Steps::Fixed(Clock::new(setting, state.time, &[])),
-            StepError::Embedded(_, order) => {
-                Steps::Controlled(StepControl::new(first(), order), setting)
-            }
-            StepError::Blended(_) => Steps::Controlled(StepControl::new(first(), 7), setting),
+            StepError::Embedded(_, order) => controlled(order),
+            StepError::Blended(_) => controlled(7),
         };
         let further = method.dense.map_or(0, |dense| dense.stages.len());
         let mut started = Self {
@@ -276,7 +277,13 @@ impl Integrator for RungeKuttaIntegrator<'_> {
         match self.steps {
             Steps::Fixed(_) => self.fixed(end),
             Steps::Controlled(..) => self.controlled(end),
+        }?;
+        if self.system.has_memory() {
+            self.prepare_interpolation();
+            let walls = [0, 1].map(|end| self.wall(end));
+            self.system.remember(self.last_step(), walls);
         }
+        Ok(())
     }
 
     fn prepare_interpolation(&mut self) {
@@ -308,6 +315,10 @@ impl Integrator for RungeKuttaIntegrator<'_> {
             position: coefficients(0, ends.map(|state| state.position[body])),
             velocity: coefficients(1, ends.map(|state| state.velocity[body])),
         }
+    }
+
+    fn wall(&self, end: usize) -> Interpolant {
+        self.system.wall(end, self.last_step(), &|body| self.interpolant(body))
     }
 
     fn body(&self, body: usize) -> [f64; 2] {

@@ -16,7 +16,7 @@
 
 use super::hermite::Interpolant;
 use super::integrator::{IntegrateError, Integrator, Restart, Work};
-use super::system::{Motion, Sides};
+use super::system::{Motion, Sides, Turning};
 use crate::chain::State;
 
 /// Samples of a margin within a step.
@@ -35,6 +35,8 @@ const NEGLIGIBLE_SHARE: f64 = 0.1;
 pub struct Switched<I> {
     inner: I,
     state: State,
+    /// Where the method's last step ended, before any cut.
+    reached: State,
     sides: Vec<Sides>,
     /// Distance and speed of the two bodies of each switch at both ends of the step.
     ends: Vec<[Motion; 2]>,
@@ -72,6 +74,7 @@ impl<I: Restart> Switched<I> {
         Self {
             start: state.time,
             inner,
+            reached: state.clone(),
             state,
             ends: Vec::with_capacity(sides.len()),
             unclear: Vec::with_capacity(sides.len()),
@@ -86,13 +89,27 @@ impl<I: Restart> Switched<I> {
         }
     }
 
+    /// A motion over the method's last step, as one over its part up to the cut.
+    fn up_to_cut(&self, mut motion: Interpolant) -> Interpolant {
+        if self.cut < 1.0 {
+            for coefficients in [&mut motion.position, &mut motion.velocity] {
+                let mut power = 1.0;
+                for coefficient in coefficients {
+                    *coefficient *= power;
+                    power *= self.cut;
+                }
+            }
+        }
+        motion
+    }
+
     /// Flips the switches whose margin has the wrong sign and moves further away from zero.
     fn flip_wrong_switches(&mut self) -> bool {
         let state = &mut self.state;
         let mut any = false;
         let Some(system) = self.inner.system().switching() else { return false };
-        for (switch, sides) in self.sides.iter().enumerate() {
-            let motion = sides.of(state);
+        for switch in 0..self.sides.len() {
+            let motion = system.motion(switch, state);
             if system.is_wrong(switch, motion) {
                 system.flip(switch, state);
                 any = true;
@@ -108,13 +125,19 @@ impl<I: Restart> Switched<I> {
     /// Finds the switches that may have to change within the method's last step.
     fn find_unclear(&mut self) {
         let (_, length) = self.inner.last_step();
-        let after = self.inner.reached();
+        self.reached.clone_from(self.inner.reached());
         self.ends.clear();
-        self.ends.extend(self.sides.iter().map(|s| [s.of(&self.state), s.of(after)]));
         self.unclear.clear();
         let Some(system) = self.inner.system().switching() else { return };
+        let motions =
+            |switch| [&self.state, &self.reached].map(|state| system.motion(switch, state));
+        self.ends.extend((0..self.sides.len()).map(motions));
         for (switch, (ends, on)) in self.ends.iter().zip(&self.on).enumerate() {
-            if !stays_clear(*ends, length, |motion| system.margin(switch, motion), *on) {
+            let turns = ends[0].rate > 0.0 && ends[1].rate < 0.0;
+            let may_change = turns && system.turning(switch) != Turning::Irrelevant;
+            if may_change
+                || !stays_clear(*ends, length, |motion| system.margin(switch, motion), *on)
+            {
                 self.unclear.push(switch);
             }
         }
@@ -129,20 +152,36 @@ impl<I: Restart> Switched<I> {
         let mut first: Option<(f64, usize)> = None;
         for &switch in &self.unclear {
             let (sides, on) = (self.sides[switch], self.on[switch]);
-            let body = |index: Option<usize>| {
-                index.map_or(Interpolant::REST, |index| self.inner.interpolant(index))
+            let body = |index: Option<usize>, end: usize| {
+                index.map_or_else(|| self.inner.wall(end), |index| self.inner.interpolant(index))
             };
-            let (above, below) = (body(sides.above), body(sides.below));
+            let (above, below) = (body(sides.above, 0), body(sides.below, 1));
             let motion = |theta: f64| Motion {
                 difference: above.position(theta) - below.position(theta),
                 rate: above.velocity(theta) - below.velocity(theta),
             };
             let system = self.inner.system().switching()?;
+            let [from, to] = self.ends[switch];
+            let turning = system.turning(switch);
+            let turns = from.rate > 0.0 && to.rate < 0.0 && turning != Turning::Irrelevant;
+            let turn = turns.then(|| root(&|theta| motion(theta).rate < 0.0, 0.0, 1.0));
+            if let Turning::Changes(level) = turning {
+                let turn = turn.filter(|theta| {
+                    let difference = motion(*theta).difference;
+                    let error = |turn| system.turn_error(switch, turn, to);
+                    difference > level && error(difference) * length > tolerated
+                });
+                let is_first = |theta: &f64| first.is_none_or(|(earliest, _)| *theta < earliest);
+                if let Some(theta) = turn.filter(is_first) {
+                    first = Some((theta, switch));
+                }
+                continue;
+            }
             let wrong = |theta: f64| (system.margin(switch, motion(theta)) >= 0.0) != on;
             let (mut before, mut at) = (0.0, None);
             // What is negligible when it is seen first need not be so by the end of the step.
-            for sample in 1..=SAMPLES {
-                let theta = f64::from(sample) / f64::from(SAMPLES);
+            let samples = (1..=SAMPLES).map(|sample| f64::from(sample) / f64::from(SAMPLES));
+            for theta in turn.into_iter().chain(samples) {
                 if !wrong(theta) {
                     before = theta;
                     continue;
@@ -253,17 +292,11 @@ impl<I: Restart> Integrator for Switched<I> {
     }
 
     fn interpolant(&self, body: usize) -> Interpolant {
-        let mut motion = self.inner.interpolant(body);
-        if self.cut < 1.0 {
-            for coefficients in [&mut motion.position, &mut motion.velocity] {
-                let mut power = 1.0;
-                for coefficient in coefficients {
-                    *coefficient *= power;
-                    power *= self.cut;
-                }
-            }
-        }
-        motion
+        self.up_to_cut(self.inner.interpolant(body))
+    }
+
+    fn wall(&self, end: usize) -> Interpolant {
+        self.up_to_cut(self.inner.wall(end))
     }
 
     fn body(&self, body: usize) -> [f64; 2] {

@@ -1,6 +1,7 @@
 //! What a system of differential equations `x'' = a(x, v)` provides to the methods: accelerations,
 //! scales of errors, switches, and a tangent.
 
+use super::hermite::Interpolant;
 use crate::chain::State;
 
 /// A mechanical system of `len` coordinates.
@@ -32,6 +33,35 @@ pub trait System {
     fn highest_frequency(&self, state: &State) -> f64 {
         let Scales { position, velocity } = self.scales(&state.position, &state.velocity);
         velocity / position
+    }
+
+    /// The longest step over which what moves it from outside is smooth (s).
+    fn longest_step(&self) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Motion of the wall at an end, 0 at the top and 1 at the bottom, over a step from a start (s)
+    /// of a length (s) in which coordinates move by `motion`.
+    fn wall(
+        &self,
+        end: usize,
+        step: (f64, f64),
+        motion: &dyn Fn(usize) -> Interpolant,
+    ) -> Interpolant {
+        let _ = (end, step, motion);
+        Interpolant::REST
+    }
+
+    /// Whether later forces depend on how it has moved, so that [`System::remember`] takes in each
+    /// step.
+    fn has_memory(&self) -> bool {
+        false
+    }
+
+    /// Takes in the motion over a step from a start (s) of a length (s); an earlier step that
+    /// reaches beyond its start counts up to there.
+    fn remember(&mut self, step: (f64, f64), walls: [Interpolant; 2]) {
+        let _ = (step, walls);
     }
 
     /// Its switches, if its law has any.
@@ -87,6 +117,17 @@ pub struct Motion {
     pub rate: f64,
 }
 
+/// What the turn of two bodies, from closing to parting, means for a switch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Turning {
+    /// Nothing.
+    Irrelevant,
+    /// The switch's margin may have the other sign there and nowhere else in the step.
+    MayChange,
+    /// The switch changes there if the difference of the bodies' positions exceeds this (m).
+    Changes(f64),
+}
+
 /// A system with switches.
 pub trait Switching {
     /// How many there are.
@@ -100,6 +141,24 @@ pub trait Switching {
 
     /// What decides about `switch`.
     fn sides(&self, switch: usize) -> Sides;
+
+    /// How the bodies of `switch` stand and move in `state`.
+    fn motion(&self, switch: usize, state: &State) -> Motion {
+        self.sides(switch).of(state)
+    }
+
+    /// Whether `switch` changes where its bodies turn.
+    fn turning(&self, switch: usize) -> Turning {
+        let _ = switch;
+        Turning::Irrelevant
+    }
+
+    /// By how much the acceleration of a body would be wrong at the `end` of a step if `switch` did
+    /// not change where its bodies turned, their positions differing by `turn` (m) (m/s²).
+    fn turn_error(&self, switch: usize, turn: f64, end: Motion) -> f64 {
+        let _ = (switch, turn, end);
+        0.0
+    }
 
     /// What is zero where `switch` should change, and not negative where it should be on (unit).
     fn margin(&self, switch: usize, motion: Motion) -> f64;

@@ -52,6 +52,8 @@ dimensions! {
     CHARGE_PER_FORCE: whole([-1, -1, 3, 1, 0, 0]), "a piezoelectric coefficient (C/N)";
     VOLTAGE: whole([1, 2, -3, -1, 0, 0]), "a voltage (V)", "200 mV";
     VOLTAGE_PER_FORCE: whole([0, 1, -1, -1, 0, 0]), "a sensitivity (V/N)";
+    VOLTAGE_PER_SPEED: whole([1, 1, -2, -1, 0, 0]), "a vibrometer's sensitivity (V*s/m)", "5 V*s/m";
+    VOLTAGE_PER_ACCELERATION: whole([1, 1, -1, -1, 0, 0]), "an accelerometer's sensitivity (V*s^2/m)", "1 mV*s^2/m";
     VOLTAGE_PER_CHARGE: whole([1, 2, -4, -2, 0, 0]), "a charge amplifier's gain (V/C)", "10 mV/pC";
     RESISTANCE: whole([1, 2, -3, -2, 0, 0]), "a resistance (Ohm)";
     CAPACITANCE: whole([-1, -2, 4, 2, 0, 0]), "a capacitance (F)";

@@ -16,6 +16,8 @@ use crate::scope::Source;
 pub struct FileFormat {
     /// Ending of the files that are written, in small letters.
     pub ending: &'static str,
+    /// Endings of measurements alone: LabVIEW's.
+    measurement_endings: &'static [&'static str],
     /// Endings under which programs save it as well; in folders, such files are often notes.
     other_endings: &'static [&'static str],
     /// Whether a scope saves a folder of such files for each trigger.
@@ -35,6 +37,7 @@ type ReadFile = fn(&[u8], &str, &TableColumns) -> Result<Vec<Capture>, Recording
 pub const FORMATS: [FileFormat; 2] = [
     FileFormat {
         ending: "csv",
+        measurement_endings: &["lvm"],
         other_endings: &["txt", "tsv", "dat", "asc", "prn"],
         is_in_folders: true,
         media_type: "text/csv",
@@ -44,6 +47,7 @@ pub const FORMATS: [FileFormat; 2] = [
     },
     FileFormat {
         ending: "isf",
+        measurement_endings: &[],
         other_endings: &[],
         is_in_folders: false,
         media_type: "application/octet-stream",
@@ -59,11 +63,16 @@ impl FileFormat {
         FORMATS.iter().find(|format| format.ending.eq_ignore_ascii_case(ending))
     }
 
+    /// Whether files with this ending, in small letters, are nothing else.
+    fn is_measurement(&self, ending: &str) -> bool {
+        self.ending == ending || self.measurement_endings.contains(&ending)
+    }
+
     /// The format that a file is read as.
     fn of(path: &Path) -> Option<&'static Self> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
         let has = |format: &&Self| {
-            format.ending == ending || format.other_endings.contains(&ending.as_str())
+            format.is_measurement(&ending) || format.other_endings.contains(&ending.as_str())
         };
         FORMATS.iter().find(has)
     }
@@ -93,7 +102,9 @@ impl Format {
         let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
         match extension.as_deref() {
             Some("mcap") => Some(Self::Mcap),
-            Some(ending) if FileFormat::by_ending(ending).is_some() => Some(Self::File),
+            Some(ending) if FORMATS.iter().any(|format| format.is_measurement(ending)) => {
+                Some(Self::File)
+            }
             _ if path.is_dir() => Some(Self::Folder),
             _ => None,
         }
@@ -548,6 +559,6 @@ fn read_limited(file: &Path, limit: u64) -> Result<Vec<u8>, RecordingError> {
 }
 
 fn unknown_format(file: &Path) -> RecordingError {
-    let expected = ".mcap, .csv, .isf, or a folder of .csv files as the scope saves them";
+    let expected = ".mcap, .csv, .lvm, .isf, or a folder of .csv files as the scope saves them";
     RecordingError::found(file.display(), "no known format", expected)
 }

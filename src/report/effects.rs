@@ -6,10 +6,10 @@ use super::text::{TERMINAL_WIDTH, hanging_indent, wrapped};
 use crate::studies::effects::{Change, EffectState, Ledger, LedgerEntry};
 
 /// Explanation of the table.
-const TABLE_LEGEND: &str = "Numbers: the largest change of a reading at any sensor with the effect; LSB: that of a first peak in digitiser levels; ±: 95 % of random draws. \
+const TABLE_LEGEND: &str = "Numbers: largest change of a reading at any sensor with the effect; LSB: that of a first peak in digitiser levels; ±: 95 % of random draws. \
     Needed: more than the accuracy (records: a tenth of a level or sample). * by auto.";
 /// The option that prints more.
-const WHY_HINT: &str = "--why: reasons, and the values that were tried.";
+const WHY_HINT: &str = "--why: reasons.";
 /// Most decades of the picture's abscissa.
 const MAX_DECADES: i32 = 8;
 /// Column at which reasons begin.

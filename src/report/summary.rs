@@ -9,7 +9,10 @@ use crate::quantity::engineering;
 /// The page that `run` prints.
 pub fn summary(summary: &Summary) -> String {
     let mut lines = vec![format!("{}: {}", summary.scene, summary.title), String::new()];
-    lines.extend(readings(summary));
+    if !summary.sensors.is_empty() || summary.wall.is_some() {
+        lines.extend(readings(summary));
+    }
+    lines.extend(velocities(&summary.final_velocities_m_per_s));
     if !summary.speeds.is_empty() {
         lines.push(String::new());
         lines.extend(speeds(&summary.speeds));
@@ -28,6 +31,20 @@ pub fn summary(summary: &Summary) -> String {
         lines.push(format!("  note        {note}"));
     }
     lines.join("\n")
+}
+
+/// One row a body, where there are no sensors.
+fn velocities(velocities: &[f64]) -> Vec<String> {
+    if velocities.is_empty() {
+        return Vec::new();
+    }
+    let mut rows = vec![["body", "velocity"].map(str::to_owned).to_vec()];
+    let row =
+        |(body, velocity): (usize, &f64)| vec![body.to_string(), engineering(*velocity, "m/s", 4)];
+    rows.extend((1..).zip(velocities).map(row));
+    let mut lines = vec!["velocities at the end, from the top, downward positive".to_owned()];
+    lines.extend(table::lines(&rows, &[0]));
+    lines
 }
 
 fn readings(summary: &Summary) -> Vec<String> {
@@ -186,6 +203,9 @@ fn ledger(energy: &EnergyLedger) -> Vec<String> {
         booked.losses.iter().map(|loss| entry(loss.loss, loss.energy)).collect();
     if booked.left_in_contacts > 0.0 {
         taken.push(entry("left in contacts", booked.left_in_contacts));
+    }
+    if let Some(work) = booked.work_of_drive {
+        lines.push(format!("              put in by the drive {}", engineering(work, "J", 4)));
     }
     if !taken.is_empty() {
         lines.push(format!("              taken by losses {}", taken.join(", ")));

@@ -12,6 +12,7 @@ use std::path::Path;
 use super::document::{
     ANY, Node, Value, at, at_mut, expand, insert, is_in_tables, known, put, quoted, quoted_key,
 };
+use super::inputs::inputs;
 use super::library::{self, LoadedScene};
 use super::panel::CachedPanel;
 use super::problem::{Problem, SceneError, one_of};
@@ -122,9 +123,8 @@ impl Adjustable {
         let root = &adjustable.loaded.root;
         let keys = TableReader::of(root, "", &[RootKeys::KEYS], &problems);
         let keys = keys.map(|root| RootKeys::read(&root));
-        let panel = keys.and_then(|keys| {
-            CachedPanel::of(keys.scope.as_ref()?, keys.sensors.as_ref(), duration)
-        });
+        let panel =
+            keys.and_then(|keys| CachedPanel::of(keys.scope.as_ref()?, inputs(&keys), duration));
         Ok(Self { panel, ..adjustable })
     }
 

@@ -8,8 +8,9 @@ use super::document::{Node, Value};
 use super::library;
 use super::problem::one_of;
 use super::table::{Bound, Key, Places, TableReader};
-use super::table::{any, count, list_of, quantity, table, table_of, text, texts};
-use crate::chain::{Body, Chain, ChainError, ChainSpec, Elasticity, End};
+use super::table::{any, count, list_of, quantity, table, table_of, text, texts, word, words};
+use crate::chain::hertz::YIELD_PRESSURE_FACTOR;
+use crate::chain::{Backing, Body, Chain, ChainError, ChainSpec, Elasticity, End, Support};
 use crate::note::Note;
 use crate::quantity::{Dimension, engineering};
 
@@ -21,7 +22,7 @@ const LARGE_BODY: f64 = 0.1;
 /// A mass that differs from that of its shape and its material's density by more than this factor
 /// is noted. Holes and wrong diameters make less, wrong units and materials more (1).
 const MAX_MASS_RATIO: f64 = 1.3;
-const END: &str = "\"free\", { wall = \"<material>\" } or { force = \"<force>\" }";
+const END: &str = "\"free\", { wall = \"<material>\" }, { rod = \"<material>\", diameter = \"<length>\" }, { plate = \"<material>\", thickness = \"<length>\" } or { force = \"<force>\" }";
 const A_MATERIAL: &str = "the name of a material";
 
 table! {
@@ -31,8 +32,10 @@ table! {
         poissons_ratio: f64 = quantity(Dimension::NONE, Bound::Between(-1.0, 0.5)).required(),
         /// needed for bodies without a mass
         density: f64 = quantity(Dimension::DENSITY, Bound::DENSITY),
-        /// default: none, no note on yielding
+        /// in slow uniaxial loading; default: unknown, contacts stay elastic
         yield_strength: f64 = quantity(Dimension::PRESSURE, Bound::Positive),
+        /// instead: pressure in the middle of a contact that begins to yield, 1.6 times that
+        yield_pressure: f64 = quantity(Dimension::PRESSURE, Bound::Positive),
     }
 }
 
@@ -46,6 +49,8 @@ table! {
         diameter: f64 = quantity(Dimension::LENGTH, Bound::LENGTH),
         /// makes it a cylinder with flat faces
         height: f64 = quantity(Dimension::LENGTH, Bound::LENGTH),
+        /// of a cylinder that lies across the chain, around the chain's axis, in degrees
+        axis_deg: f64 = quantity(Dimension::NONE, Bound::Within(-180.0, 180.0)),
         /// default: that of shape and density
         mass: f64 = quantity(Dimension::MASS, Bound::MASS),
     }
@@ -76,6 +81,18 @@ table! {
     /// One end of the chain.
     pub struct EndKeys<'a> {
         wall: &'a str = text(),
+        /// the flat end of a rod, which gives way by its impedance; or
+        rod: &'a str = text(),
+        /// a wide plate
+        plate: &'a str = text(),
+        /// of the rod
+        diameter: f64 = quantity(Dimension::LENGTH, Bound::LENGTH),
+        /// of the rod, whose far end returns an echo; default: none returns
+        length: f64 = quantity(Dimension::LENGTH, Bound::LENGTH),
+        /// of the rod: "free" or "held"; default: "free"
+        far_end: FarEnd = word::<FarEnd>(),
+        /// of the plate
+        thickness: f64 = quantity(Dimension::LENGTH, Bound::LENGTH),
         force: f64 = quantity(Dimension::FORCE, Bound::FORCE),
         preload: f64 = quantity(Dimension::FORCE, Bound::FORCE),
     }
@@ -168,7 +185,12 @@ fn material(table: &TableReader<'_>) -> Option<Material> {
     let keys = MaterialKeys::read(table);
     let elasticity =
         Elasticity { youngs_modulus: keys.youngs_modulus?, poissons_ratio: keys.poissons_ratio? };
-    Some(Material { elasticity, yield_strength: keys.yield_strength, density: keys.density })
+    if table.has("yield_strength") && table.has("yield_pressure") {
+        table.problem("yield_pressure", "both yield_strength and yield_pressure", "one of them");
+    }
+    let by_pressure = keys.yield_pressure.map(|pressure| pressure / YIELD_PRESSURE_FACTOR);
+    let yield_strength = keys.yield_strength.or(by_pressure);
+    Some(Material { elasticity, yield_strength, density: keys.density })
 }
 
 /// Reads a body, and its diameter if it has one (m); without a mass it has that of the shape and
@@ -191,7 +213,14 @@ fn body(
     {
         return None;
     }
+    let axis = keys.axis_deg.map(f64::to_radians);
+    if axis.is_some() && (diameter.is_none() || height.is_none()) {
+        let expected = "diameter and height, which make it a cylinder";
+        table.problem("axis_deg", "the axis of a body that is no cylinder", expected);
+        return None;
+    }
     let (length, curvature) = match (diameter, height) {
+        (Some(diameter), Some(_)) if axis.is_some() => (diameter, 2.0 / diameter),
         (_, Some(height)) => (height, 0.0),
         (Some(diameter), None) => (diameter, 2.0 / diameter),
         (None, None) => (0.0, 0.0),
@@ -229,8 +258,15 @@ fn body(
         materials.notes.borrow_mut().push(note);
     }
     let Material { elasticity, yield_strength, .. } = material?;
-    let body =
-        Body { name: name.into(), mass: mass?, length, curvature, elasticity, yield_strength };
+    let body = Body {
+        name: name.into(),
+        mass: mass?,
+        length,
+        curvature,
+        axis,
+        elasticity,
+        yield_strength,
+    };
     Some((body, diameter))
 }
 
@@ -402,17 +438,44 @@ fn size_fits(table: &TableReader<'_>, size: f64, diameters: &[Option<f64>]) -> O
     Some(())
 }
 
-/// An end of the chain, `"free"`, `{ wall = "steel" }` or `{ force = "2 N" }`, and the preload by
-/// which a wall presses (N).
+/// The far end of a rod.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FarEnd {
+    /// Free: what returns has the sign of what departed.
+    Free,
+    /// Held: it has the other sign.
+    Held,
+}
+
+words! { FarEnd { "free" => Free, "held" => Held } }
+
+/// A rod behind a wall: its speed of sound (m/s), and its length where its far end counts (m).
+pub type Rod = (f64, Option<f64>);
+
+/// An end of the chain as read.
+pub struct ReadEnd {
+    /// What stands there.
+    pub end: End,
+    /// Force by which a wall presses (N).
+    pub preload: f64,
+    /// What is behind a wall.
+    pub support: Support,
+    /// A rod behind it.
+    pub rod: Option<Rod>,
+}
+
+/// An end of the chain, `"free"`, `{ wall = "steel" }`, `{ rod = "steel", diameter = "5 mm" }`,
+/// `{ plate = "steel", thickness = "3 mm" }` or `{ force = "2 N" }`.
 pub fn end(
     chain: &TableReader<'_>,
     key: &str,
     node: Option<&Node>,
     materials: &Materials,
-) -> Option<(End, f64)> {
+) -> Option<ReadEnd> {
     let node = node?;
+    let rigid = |end, preload| Some(ReadEnd { end, preload, support: Support::Rigid, rod: None });
     if matches!(&node.value, Value::Text(text) if &**text == "free") {
-        return Some((End::Free, 0.0));
+        return rigid(End::Free, 0.0);
     }
     let wrong = || {
         chain.problem(key, node.describe(), END);
@@ -423,13 +486,51 @@ pub fn end(
     }
     let table = TableReader::of(node, &chain.path_of(key), &[EndKeys::KEYS], chain.problems())?;
     let end = EndKeys::read(&table);
-    match (table.has("wall"), table.has("force")) {
-        (true, false) => {
-            let wall = materials.named(&table, "wall", end.wall)?;
-            Some((End::Wall(wall.elasticity), end.preload.unwrap_or(0.0)))
+    let given: Vec<&str> =
+        ["wall", "rod", "plate", "force"].into_iter().filter(|key| table.has(key)).collect();
+    let [kind] = given.as_slice() else { return wrong() };
+    let takes: &[&str] = match *kind {
+        "wall" => &["preload"],
+        "rod" => &["diameter", "length", "far_end", "preload"],
+        "plate" => &["thickness", "preload"],
+        _ => &[],
+    };
+    for key in ["diameter", "length", "far_end", "thickness", "preload"] {
+        if table.has(key) && !takes.contains(&key) {
+            table.problem(key, format!("`{key}` beside `{kind}`"), END);
         }
-        (false, true) => end.force.map(|force| (End::Force(force), 0.0)),
-        _ => wrong(),
+    }
+    let preload = end.preload.unwrap_or(0.0);
+    match *kind {
+        "wall" => {
+            let wall = materials.named(&table, "wall", end.wall)?;
+            rigid(End::Wall(wall.elasticity), preload)
+        }
+        "force" => end.force.and_then(|force| rigid(End::Force(force), 0.0)),
+        _ => {
+            let material = materials.named(&table, kind, end.rod.or(end.plate))?;
+            let Elasticity { youngs_modulus, poissons_ratio } = material.elasticity;
+            let Some(density) = material.density else {
+                let found = "a material without a density";
+                table.problem(kind, found, "one with a density, for its impedance");
+                return None;
+            };
+            let backing = if *kind == "rod" {
+                table.require(EndKeys::KEYS, "diameter");
+                let section = 0.25 * PI * end.diameter?.powi(2);
+                let reflection = if end.far_end == Some(FarEnd::Held) { -1.0 } else { 1.0 };
+                let far_end = end.length.map(|length| (length, reflection));
+                Backing::rod(section, youngs_modulus, density, far_end)
+            } else {
+                table.require(EndKeys::KEYS, "thickness");
+                Backing::plate(end.thickness?, youngs_modulus, poissons_ratio, density)
+            };
+            let length = end.length;
+            let end = End::Wall(material.elasticity);
+            let speed = (youngs_modulus / density).sqrt();
+            let rod = (*kind == "rod").then_some((speed, length));
+            Some(ReadEnd { end, preload, support: Support::Yielding(backing), rod })
+        }
     }
 }
 
@@ -471,9 +572,10 @@ pub fn initial_velocities(
             _ => all_read = false,
         }
     }
-    let still = velocities.iter().all(|v| *v == 0.0) && !root.has("striker");
+    let still = velocities.iter().all(|v| *v == 0.0) && !root.has("striker") && !root.has("drive");
     if still && (all_read || !root.has("initial_velocities")) {
-        root.problem("", "nothing moves: add a [striker] or [[initial_velocities]]", "");
+        let found = "nothing moves: add a [striker], a [drive] or [[initial_velocities]]";
+        root.problem("", found, "");
     }
     velocities
 }

@@ -14,7 +14,8 @@ use super::table::{
 };
 use crate::chain::{
     ContactOverride, EffectsSpec, EndOfContact, Gravity, LOSS_MODELS, LinearisedContacts, LossSpec,
-    MagnetForce, MagnetLaw, MagnetPreload, PlacedAt, PlacedMagnet,
+    MagnetForce, MagnetLaw, MagnetPreload, PlacedAt, PlacedMagnet, PlasticModel, Plasticity,
+    Restitution,
 };
 use crate::magnet::Magnet;
 use crate::quantity::{Dimension, engineering};
@@ -97,6 +98,8 @@ table! {
             effect(&[SWITCH, MagnetPlaceKeys::KEYS, RingKeys::KEYS, TableKeys::KEYS]),
         /// default with a described magnet: its force follows the particle
         magnet_law: Effect<NoKeys<'a>> = effect(&[AUTO_SWITCH, NoKeys::KEYS]),
+        /// contacts that yield where their softer body has a `yield_strength`
+        plasticity: Effect<PlasticityKeys<'a>> = effect(&[AUTO_SWITCH, PlasticityKeys::KEYS]),
         /// contacts as springs about the static state
         linearised_contacts: Effect<NoKeys<'a>> = effect(&[SWITCH, NoKeys::KEYS]),
     }
@@ -142,6 +145,44 @@ table! {
     }
 }
 
+table! {
+    /// `[effects.plasticity]`.
+    pub struct PlasticityKeys<'a> {
+        /// or `walton_braun`, with a restitution
+        model: PlasticLaw = word::<PlasticLaw>().required().needs("\"thornton\" or \"walton_braun\""),
+        /// of `walton_braun`, at any speed
+        restitution: f64 = quantity(Dimension::NONE, Bound::Within(0.01, 1.0)),
+    }
+}
+
+/// A law of plastic contacts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PlasticLaw {
+    /// Hertz's law up to first yield, a straight line beyond.
+    Thornton,
+    /// Straight lines.
+    WaltonBraun,
+}
+
+words! { PlasticLaw { "thornton" => Thornton, "walton_braun" => WaltonBraun } }
+
+fn plasticity(keys: &PlasticityKeys<'_>) -> Option<Plasticity> {
+    let model = match keys.model? {
+        PlasticLaw::Thornton => {
+            if keys.table.has("restitution") {
+                let expected = "none: Thornton's law makes its own, by the yield strength";
+                keys.table.problem("restitution", "a restitution", expected);
+            }
+            PlasticModel::Thornton
+        }
+        PlasticLaw::WaltonBraun => {
+            keys.table.require(PlasticityKeys::KEYS, "restitution");
+            PlasticModel::WaltonBraun(keys.restitution?)
+        }
+    };
+    Some(Plasticity { model })
+}
+
 words! {
     EndOfContact {
         Self::ZeroOverlap.name() => ZeroOverlap,
@@ -154,9 +195,9 @@ const LOSSES: usize = LOSS_MODELS.len();
 /// The effects of [`LOSS_MODELS`]; each table has the coefficient's name from there.
 pub(super) const LOSS_KEYS: &[Key; LOSSES] = &[loss_key(0), loss_key(1), loss_key(2)];
 /// Keys of the tables of losses: the coefficient, the end of a contact, and other coefficients.
-const TABLES: &[[Key; 3]; LOSSES] = &[loss_keys(0), loss_keys(1), loss_keys(2)];
+const TABLES: &[[Key; 5]; LOSSES] = &[loss_keys(0), loss_keys(1), loss_keys(2)];
 /// Keys of another coefficient where two kinds of bodies touch.
-const CONTACTS: &[[Key; 2]; LOSSES] = &[contact_keys(0), contact_keys(1), contact_keys(2)];
+const CONTACTS: &[[Key; 4]; LOSSES] = &[contact_keys(0), contact_keys(1), contact_keys(2)];
 /// Below an exponent of one the loss would be infinitely steep at rest.
 const EXPONENT: &[Key; 1] =
     &[quantity(Dimension::NONE, Bound::Within(1.0, 5.0)).required().named("exponent", "")];
@@ -176,10 +217,15 @@ const fn loss_key(index: usize) -> Key {
 
 const fn coefficient(index: usize) -> Key {
     let model = LOSS_MODELS[index];
-    quantity(model.dimension, Bound::Within(0.0, model.largest)).required().named(model.key, "")
+    quantity(model.dimension, Bound::Within(0.0, model.largest)).named(model.key, "")
 }
 
-const fn loss_keys(index: usize) -> [Key; 3] {
+/// A coefficient of restitution, from which the coefficient of each contact follows.
+const RESTITUTION: Key = quantity(Dimension::NONE, Bound::Within(0.05, 1.0))
+    .named("restitution", "instead of the coefficient, of two bodies that meet at:");
+const SPEED: Key = quantity(Dimension::SPEED, Bound::SPEED).named("speed", "");
+
+const fn loss_keys(index: usize) -> [Key; 5] {
     const BELOW: [Keys; LOSSES] = [&[&CONTACTS[0]], &[&CONTACTS[1]], &[&CONTACTS[2]]];
     let end = word::<EndOfContact>()
         .required()
@@ -188,11 +234,13 @@ const fn loss_keys(index: usize) -> [Key; 3] {
         coefficient(index),
         end.named("end_of_contact", "or \"zero_force\""),
         list_of(BELOW[index]).named("contacts", ""),
+        RESTITUTION,
+        SPEED,
     ]
 }
 
-const fn contact_keys(index: usize) -> [Key; 2] {
-    [texts().named("between", ""), coefficient(index)]
+const fn contact_keys(index: usize) -> [Key; 4] {
+    [texts().named("between", ""), coefficient(index), RESTITUTION, SPEED]
 }
 
 table! {
@@ -271,10 +319,13 @@ pub fn effects(
         magnet_law: (is_described && !law_is_off).then_some(MagnetLaw),
         magnet_preload,
         losses,
+        plasticity: on(keys.plasticity.as_ref(), plasticity),
+        ..EffectsSpec::default()
     };
     let states = [
         ("gravity", keys.gravity.as_ref().map(|effect| effect.state)),
         ("magnet_law", keys.magnet_law.as_ref().map(|effect| effect.state)),
+        ("plasticity", keys.plasticity.as_ref().map(|effect| effect.state)),
     ];
     let losses = LOSS_MODELS.iter().zip(&effects);
     let losses = losses.map(|(model, effect)| (model.name, effect.as_ref().map(|e| e.state)));
@@ -316,6 +367,31 @@ fn tolerance(keys: &ToleranceKeys<'_>) -> SensorTolerance {
     }
 }
 
+/// The coefficient of a loss (unit), or the restitution that it follows from.
+fn strength(
+    table: &TableReader<'_>,
+    coefficient: &'static Key,
+) -> Option<(f64, Option<Restitution>)> {
+    const KEYS: &[Key; 2] = &[RESTITUTION, SPEED];
+    let [value, speed]: [Option<f64>; 2] = KEYS.each_ref().map(|key| table.get(key));
+    match (table.has(coefficient.name), table.has("restitution")) {
+        (true, true) => {
+            let found = format!("a restitution beside `{}`", coefficient.name);
+            table.problem("restitution", found, "one of them");
+            None
+        }
+        (true, false) => table.get(coefficient).map(|value| (value, None)),
+        (false, true) => {
+            table.require(KEYS, "speed");
+            Some((0.0, Some(Restitution { value: value?, speed: speed? })))
+        }
+        (false, false) => {
+            table.missing(coefficient.name, coefficient.expected());
+            None
+        }
+    }
+}
+
 /// A loss with its overrides, by the row of its model.
 fn loss(
     table: &TableReader<'_>,
@@ -323,9 +399,9 @@ fn loss(
     pairs: &[(&str, &str)],
     ends: &mut Vec<EndOfContact>,
 ) -> Option<LossSpec> {
-    let [coefficient, end, contacts] = TABLES.get(index)?;
-    let [between, own_coefficient] = CONTACTS.get(index)?;
-    let value: Option<f64> = table.get(coefficient);
+    let [coefficient, end, contacts, ..] = TABLES.get(index)?;
+    let [between, own_coefficient, ..] = CONTACTS.get(index)?;
+    let value = strength(table, coefficient);
     let end: Option<EndOfContact> = table.get(end);
     let has_exponent = LOSS_MODELS.get(index)?.has_exponent;
     let exponent = if has_exponent { table.get(&EXPONENT[0]) } else { Some(1.0) };
@@ -341,7 +417,7 @@ fn loss(
     let mut complete = true;
     for own in table.get::<Vec<TableReader<'_>>>(contacts).unwrap_or_default() {
         let names: Places<'_> = own.get(between).unwrap_or_default();
-        let value: Option<f64> = own.get(own_coefficient);
+        let value = strength(&own, own_coefficient);
         let between = if let [(upper, _), (lower, _)] = names.as_slice() {
             Some([(*upper).to_owned(), (*lower).to_owned()])
         } else {
@@ -361,11 +437,14 @@ fn loss(
             }
         }
         match between.zip(value) {
-            Some((between, value)) => overrides.push(ContactOverride { between, value }),
+            Some((between, (value, restitution))) => {
+                overrides.push(ContactOverride { between, value, restitution });
+            }
             None => complete = false,
         }
     }
-    let spec = LossSpec { value: value?, exponent: exponent?, overrides, end: end? };
+    let (value, restitution) = value?;
+    let spec = LossSpec { value, restitution, exponent: exponent?, overrides, end: end? };
     complete.then_some(spec)
 }
 

@@ -13,9 +13,11 @@ use std::sync::{Arc, OnceLock};
 
 use sha2::{Digest, Sha256};
 
-use super::document::{ANY, Entry, Node, SourceLocation, Value};
+use super::document::{ANY, Entry, Node, SourceLocation, Value, at};
+use super::drive::read_samples;
 use super::problem::{Problem, SceneError, did_you_mean};
 use crate::data;
+use crate::quantity::{self, Dimension};
 
 /// Largest depth of bases of bases: a greater one is a mistake or a circle.
 const MAX_BASE_DEPTH: usize = 8;
@@ -36,7 +38,7 @@ enum MergeRule {
 }
 
 /// The exceptions from merging key by key, by path. The order decides the hash of a scene's texts.
-const RULES: [(&[&str], MergeRule); 7] = [
+const RULES: [(&[&str], MergeRule); 8] = [
     (&["striker"], MergeRule::Model("strikers")),
     (&["scope"], MergeRule::Model("")),
     (&["materials", ANY], MergeRule::Shipped("materials")),
@@ -44,11 +46,21 @@ const RULES: [(&[&str], MergeRule); 7] = [
     (&["sensors", ANY], MergeRule::Model("sensors")),
     (&["chain", "top"], MergeRule::Whole),
     (&["chain", "bottom"], MergeRule::Whole),
+    (&SIGNAL, MergeRule::Whole),
 ];
 
 /// Keys that name a file of constants, and its folder.
-const CONSTANTS: [(&str, &str); 3] =
-    [("material", "materials"), ("wall", "materials"), ("ceramic", "piezoceramics")];
+const CONSTANTS: [(&str, &str); 5] = [
+    ("material", "materials"),
+    ("wall", "materials"),
+    ("rod", "materials"),
+    ("plate", "materials"),
+    ("ceramic", "piezoceramics"),
+];
+/// File of the scope of a scene without one.
+const NO_SCOPE: &str = "default";
+/// The table of a generator's signal, whose key `file` names a file of samples.
+const SIGNAL: [&str; 2] = ["drive", "signal"];
 
 /// The merged tree of a scene, and the text as typed.
 #[derive(Debug, Clone)]
@@ -94,7 +106,8 @@ pub fn load_text(name: &str, file: &str, text: &str) -> Result<LoadedScene, Scen
 
 fn assembled(name: &str, file: FoundFile) -> Result<LoadedScene, SceneError> {
     let mut library = Library { texts: Texts::default(), problems: Vec::new() };
-    let root = library.assemble(&file, 0)?;
+    let mut root = library.assemble(&file, 0)?;
+    library.add_scope(&mut root);
     library.add_constants(&root);
     let Library { texts, problems } = library;
     Ok(LoadedScene { name: name.to_owned(), text: file.text, texts, root, problems })
@@ -205,6 +218,25 @@ impl Library {
         Ok(root)
     }
 
+    /// Puts a scope with nothing at its inputs into a scene without scope and sensors: a chain
+    /// alone.
+    fn add_scope(&mut self, root: &mut Node) {
+        let sensors = ["sensors", "vibrometers", "accelerometers", "strain_gauges"];
+        if sensors.iter().any(|key| at(root, &[key]).is_some()) {
+            return;
+        }
+        let duration =
+            root.text("duration").map(|(text, _)| quantity::parse(text, Dimension::TIME));
+        let Some(Ok(duration)) = duration else { return };
+        let text = default_scope(duration);
+        let Ok(mut scope) = Node::parse(NO_SCOPE, &text) else { return };
+        self.insert_models(&mut scope);
+        let scope = scope.entries_mut().and_then(|entries| entries.remove("scope"));
+        if let (Some(entries), Some(scope)) = (root.entries_mut(), scope) {
+            entries.entry(Rc::from("scope")).or_insert(scope);
+        }
+    }
+
     /// Puts each table that names an instrument file over that file.
     fn insert_models(&mut self, root: &mut Node) {
         for (path, rule) in RULES {
@@ -219,6 +251,42 @@ impl Library {
                 }
                 MergeRule::Whole => {}
             });
+        }
+        for_each(root, &SIGNAL, &mut Vec::new(), &mut |entry, _| self.insert_samples(entry));
+    }
+
+    /// Puts the samples of the file that a generator's signal names in the place of its name.
+    fn insert_samples(&mut self, entry: &mut Entry) {
+        let Some((name, place)) = entry.node.text("file") else { return };
+        let (path, place) = (place.folder().unwrap_or(Path::new("")).join(name), place.clone());
+        let shown = path.display().to_string();
+        let mut wrong = |found: String| {
+            let expected = "a text file with a value, or time and value, in each line";
+            self.problems.push(place.problem("drive.signal.file", found, expected.to_owned()));
+        };
+        let text = match read_text(&path, &shown) {
+            Ok(text) => text,
+            Err(SceneError::Problems(problems)) => return self.problems.extend(problems),
+            Err(error) => return wrong(error.to_string()),
+        };
+        let (values, interval) = match read_samples(&text) {
+            Ok(samples) => samples,
+            Err(found) => return wrong(format!("{shown}, {found}")),
+        };
+        self.texts.add(&Arc::from(text));
+        let Some(keys) = entry.node.entries_mut() else { return };
+        keys.remove("file");
+        let node = |value| Node { place: place.clone(), value };
+        let number = |value: &f64| {
+            node(Value::Number { typed: format!("{value:e}").into(), value: *value, whole: false })
+        };
+        let items = Value::List(Rc::new(values.iter().map(number).collect()));
+        let interval = interval.map(|interval| Value::Text(format!("{interval:e} s").into()));
+        for (key, value) in [("samples", Some(items)), ("interval", interval)] {
+            if let Some(value) = value {
+                let entry = Entry { key_place: place.clone(), node: node(value) };
+                keys.insert(Rc::from(key), entry);
+            }
         }
     }
 
@@ -246,6 +314,17 @@ impl Library {
     fn add_constants(&mut self, root: &Node) {
         each_constant(root, &mut |_, _, file| self.texts.add(file.place.text()));
     }
+}
+
+/// The scope of a scene without one that lasts `duration` (s): ten divisions of the sequence 1,
+/// 2.5, 5 that show all of it.
+fn default_scope(duration: f64) -> String {
+    let bases = (-9..=0).flat_map(|decade| [1.0, 2.5, 5.0].map(|step| step * 10f64.powi(decade)));
+    let base = bases.into_iter().find(|base| 10.0 * base >= duration).unwrap_or(5.0);
+    format!(
+        "[scope]\nmodel = \"tds2014\"\ntime_base = \"{base:e} s/div\"\nposition = \"{:e} s\"\n[scope.trigger]\nsource = \"CH1\"\nlevel = \"1 V\"\nmode = \"normal\"\n[scope.ch1]\nscale = \"1 V/div\"\n",
+        5.0 * base
+    )
 }
 
 /// Calls `found` with folder, name and tree of each file of constants that a tree names.

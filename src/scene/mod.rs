@@ -10,14 +10,17 @@ mod bodies;
 mod distance;
 #[doc(hidden)]
 pub mod document;
+mod drive;
 mod effects;
 #[doc(hidden)]
 pub mod grid;
 #[doc(hidden)]
 pub mod help;
+mod inputs;
 mod library;
 #[doc(hidden)]
 pub mod magnets;
+mod motion_sensors;
 mod oscilloscope;
 mod panel;
 pub mod plan;
@@ -34,8 +37,10 @@ mod shot;
 #[doc(hidden)]
 pub mod table;
 mod uncertainty;
+mod vocabulary;
 
 pub use distance::{PlatePlace, Site, distance};
+pub use drive::OUTPUTS as GENERATOR_OUTPUTS;
 pub use library::{Texts, hexadecimal, require};
 pub use panel::load as input_load;
 pub use problem::{Problem, SceneError};
@@ -49,7 +54,7 @@ use crate::chain::{Chain, ChainSpec, End};
 use crate::note::Note;
 use crate::quantity::engineering;
 use crate::scope::{Deviation, Model, Setup};
-use crate::sensor::SensorTolerance;
+use crate::sensor::{MotionSensor, SensorTolerance};
 use bodies::{ChainKeys, Materials};
 use effects::Effects;
 use oscilloscope::ModelKeys;
@@ -87,6 +92,8 @@ pub struct Scene {
     pub striker_speed_spread: Option<f64>,
     /// Sensors from top to bottom.
     pub sensors: Vec<PlacedSensor>,
+    /// Sensors of motion: vibrometers, accelerometers, strain gauges.
+    pub motion_sensors: Vec<MotionSensor>,
     /// The scope's front panel.
     pub scope: Setup,
     /// How long the bench is watched after the striker's first contact (s).
@@ -197,6 +204,14 @@ fn read(
     let effects = moving.effects;
     let hosts = sensors::SensorHosts { kinds: &moving.kinds, wall: moving.wall };
     let mut sensors = sensors::sensors(root, &places, &hosts);
+    let particles = moving.kinds.len();
+    inputs::refuse_twins(&keys);
+    let tables = motion_sensors::MotionTables {
+        vibrometers: keys.vibrometers.as_ref(),
+        accelerometers: keys.accelerometers.as_ref(),
+        strain_gauges: keys.strain_gauges.as_ref(),
+    };
+    let motion_sensors = motion_sensors::motion_sensors(&tables, particles, moving.rods);
     for sensor in sensors.iter_mut().filter(|sensor| sensor.site != Site::Wall) {
         sensor.offset_u = uncertainty::of_offset(&uncertainty, &sensor.name, sensor.offset);
     }
@@ -209,7 +224,7 @@ fn read(
         }
     }
     let scope = keys.scope.as_ref().and_then(|table| {
-        let setup = panel::setup(table, keys.sensors.as_ref(), keys.duration, panel)?;
+        let setup = panel::setup(table, &inputs::inputs(&keys), keys.duration, panel)?;
         if setup.acquisition.depth() > 1 && effects.spread.is_some() {
             let found = "\"average\" of impacts whose speeds differ";
             let expected = "\"sample\", or no effects.striker_speed_spread";
@@ -234,6 +249,7 @@ fn read(
         initial_velocities: moving.initial_velocities,
         striker_speed_spread: effects.spread,
         sensors,
+        motion_sensors,
         scope,
         duration: keys.duration?,
         frames: keys.frames?,
@@ -250,6 +266,8 @@ fn read(
 struct Moving<'a> {
     kinds: Vec<&'a str>,
     wall: bool,
+    /// Rods behind the walls at the top and at the bottom.
+    rods: [Option<bodies::Rod>; 2],
     effects: Effects,
     initial_velocities: Vec<f64>,
     built: Option<(ChainSpec, Chain)>,
@@ -275,25 +293,36 @@ fn moving<'a>(keys: &RootKeys<'a>, places: &[(&str, PlaceKeys<'_>)]) -> Moving<'
     if let Some(chain) = &chain {
         bodies::no_preload_at_the_bottom(chain);
     }
+    let rods = [&top, &bottom].map(|end| end.as_ref().and_then(|end| end.rod));
     // An end that could not be read may be a wall.
-    let walls = [&top, &bottom].map(|e| e.is_none_or(|(end, _)| matches!(end, End::Wall(_))));
+    let walls = [&top, &bottom].map(|e| e.as_ref().is_none_or(|e| matches!(e.end, End::Wall(_))));
     let pairs = bodies::pairs(&particles.kinds, striker.is_some(), walls);
     let read = |table| effects::effects(table, root.has("striker"), count, &pairs);
-    let effects = keys.effects.as_ref().map(read).unwrap_or_default();
+    let mut effects = keys.effects.as_ref().map(read).unwrap_or_default();
+    let behind = |end: &Option<bodies::ReadEnd>| end.as_ref().map(|e| e.support.clone());
+    effects.spec.supports = [&top, &bottom].map(|end| behind(end).unwrap_or_default());
+    if let Some(table) = &keys.drive {
+        let supports = effects.spec.supports.clone();
+        if let Some(driven) = drive::driven(table, keys.seed, supports) {
+            effects.spec.supports = driven;
+        }
+    }
     let velocities = keys.initial_velocities.as_deref().unwrap_or_default();
     let initial_velocities = bodies::initial_velocities(root, velocities, striker.as_ref(), count);
     // A kind that could not be read has already left its problem; half a chain would only add
     // echoes of it.
     let whole =
         particles.bodies.len() == count && count > 0 && (striker.is_some() || !root.has("striker"));
+    // An end that could not be read is a problem already; a sensor at it adds no other.
+    let wall = bottom.as_ref().is_none_or(|bottom| matches!(bottom.end, End::Wall(_)));
     let built = match (&chain, top, bottom) {
-        (Some(chain), Some((top, preload)), Some((bottom, _))) if whole => {
+        (Some(chain), Some(top), Some(bottom)) if whole => {
             let spec = ChainSpec {
                 striker: striker.map(|s| s.body),
                 particles: particles.bodies,
-                top,
-                bottom,
-                wall_preload: preload,
+                top: top.end,
+                bottom: bottom.end,
+                wall_preload: top.preload,
                 effects: effects.spec.clone(),
             };
             let magnet = keys.effects.as_ref().and_then(effects::magnet_table);
@@ -305,9 +334,7 @@ fn moving<'a>(keys: &RootKeys<'a>, places: &[(&str, PlaceKeys<'_>)]) -> Moving<'
     if keys.effects.as_ref().is_none_or(|effects| !effects.has("gravity")) {
         notes.extend(built.as_ref().and_then(|(_, chain)| weightless(chain)));
     }
-    // An end that could not be read is a problem already; a sensor at it adds no other.
-    let wall = bottom.is_none_or(|(bottom, _)| matches!(bottom, End::Wall(_)));
-    Moving { kinds: particles.kinds, wall, effects, initial_velocities, built, notes }
+    Moving { kinds: particles.kinds, wall, rods, effects, initial_velocities, built, notes }
 }
 
 /// The note on a chain on a wall without gravity, if its weight would matter to its last contact.

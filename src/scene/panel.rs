@@ -3,9 +3,10 @@
 use std::rc::Rc;
 
 use super::document::{Entries, Node};
+use super::drive::OUTPUTS;
 use super::oscilloscope;
 use super::problem::one_of;
-use super::table::{Bound, NamedTables, TableReader};
+use super::table::{Bound, TableReader};
 use super::table::{any, count, flag, positive, quantity, table, table_of, text, word, words};
 use crate::quantity::{Dimension, engineering};
 use crate::scope::{
@@ -49,7 +50,7 @@ table! {
 table! {
     /// What is connected to an input.
     pub struct InputKeys<'a> {
-        /// the sensor's name; default: nothing connected
+        /// the sensor's name, or "sync", "generator" of a drive; default: nothing connected
         input: &'a str = text(),
     }
 }
@@ -57,7 +58,7 @@ table! {
 table! {
     /// `[scope.ch1]` to `[scope.ch4]`.
     pub struct ChannelKeys<'a> {
-        /// the sensor's name; default: nothing connected
+        /// the sensor's name, or "generator", "sync" of a drive; default: nothing connected
         input: &'a str = text(),
         scale: f64 = positive(Dimension::VOLTAGE_PER_DIVISION).required(),
         /// of the trace's zero from the screen's centre
@@ -120,12 +121,7 @@ pub struct CachedPanel {
 
 impl CachedPanel {
     /// The panel of `table` in a scene of this duration (s), if nothing is wrong with it.
-    pub fn of(
-        table: &TableReader<'_>,
-        sensors: Option<&NamedTables<'_>>,
-        duration: f64,
-    ) -> Option<Self> {
-        let sensors = sensor_names(sensors);
+    pub fn of(table: &TableReader<'_>, sensors: Vec<&str>, duration: f64) -> Option<Self> {
         let setup = panel(table, &sensors, Some(duration))?;
         let sensors = sensors.into_iter().map(str::to_owned).collect();
         Some(Self { entries: Rc::clone(table.entries), sensors, duration, setup })
@@ -139,21 +135,16 @@ impl CachedPanel {
     }
 }
 
-fn sensor_names<'a>(sensors: Option<&NamedTables<'a>>) -> Vec<&'a str> {
-    sensors.into_iter().flatten().map(|(name, _)| *name).collect()
-}
-
 /// The front panel of a scene; it is `known` if that was read from the same table.
 pub fn setup(
     table: &TableReader<'_>,
-    sensors: Option<&NamedTables<'_>>,
+    sensors: &[&str],
     duration: Option<f64>,
     known: Option<&CachedPanel>,
 ) -> Option<Setup> {
-    let sensors = sensor_names(sensors);
-    match known.filter(|panel| panel.is_of(table, &sensors, duration)) {
+    match known.filter(|panel| panel.is_of(table, sensors, duration)) {
         Some(panel) => Some(panel.setup.clone()),
-        None => panel(table, &sensors, duration),
+        None => panel(table, sensors, duration),
     }
 }
 
@@ -210,7 +201,9 @@ fn one_channel_a_sensor(
     external_table: Option<&InputKeys<'_>>,
     external: Option<&String>,
 ) {
-    let input = |channel: &Option<ChannelSetup>| channel.as_ref().and_then(|c| c.input.clone());
+    let input = |channel: &Option<ChannelSetup>| {
+        channel.as_ref().and_then(|c| c.input.clone()).filter(|name| !OUTPUTS.contains(&&**name))
+    };
     let inputs: Vec<Option<String>> = channels.iter().map(input).collect();
     let taken = inputs.iter().position(|name| name.is_some() && name.as_ref() == external);
     if let (Some(channel), Some(name), Some(keys)) = (taken, external, external_table) {

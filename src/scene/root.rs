@@ -2,7 +2,9 @@
 
 use super::bodies::{BodyKeys, ChainKeys, MaterialKeys, StrikerKeys, VelocityKeys};
 use super::document::Node;
+use super::drive::DriveKeys;
 use super::effects::{EffectsKeys, LOSS_KEYS};
+use super::motion_sensors::{AccelerometerKeys, StrainGaugeKeys, VibrometerKeys};
 use super::oscilloscope::ModelKeys;
 use super::panel::PanelKeys;
 use super::sensors::{PlaceKeys, SensorKeys};
@@ -46,9 +48,17 @@ table! {
             .required()
             .needs("[chain] with top, bottom and segments"),
         striker: TableReader<'a> = table_of(&[BodyKeys::KEYS, StrikerKeys::KEYS]),
+        /// what moves a wall: a piezo stack or a shaker
+        drive: TableReader<'a> = table_of(&[DriveKeys::KEYS]),
         /// instead of a striker, or beside it
         initial_velocities: Vec<TableReader<'a>> = list_of(&[VelocityKeys::KEYS]),
         sensors: NamedTables<'a> = tables_of(&[PlaceKeys::KEYS, SensorKeys::KEYS]),
+        /// laser vibrometers, each under a name of your own
+        vibrometers: NamedTables<'a> = tables_of(&[VibrometerKeys::KEYS]),
+        accelerometers: NamedTables<'a> = tables_of(&[AccelerometerKeys::KEYS]),
+        /// on rods at the ends
+        strain_gauges: NamedTables<'a> = tables_of(&[StrainGaugeKeys::KEYS]),
+        /// default: one with nothing at its inputs, for a chain alone
         scope: TableReader<'a> = table_of(&[PanelKeys::KEYS, ModelKeys::KEYS])
             .required()
             .needs("[scope] with model, time_base, trigger and channels"),

@@ -13,6 +13,7 @@ use std::rc::Rc;
 use super::document::{ANY, Entries, Node, SourceLocation, Value};
 use super::problem::MISSING;
 pub use super::problems::Problems;
+use super::vocabulary;
 use crate::quantity::{self, Dimension, Quantity, QuantityError};
 
 /// A key that every table takes: where its numbers are from.
@@ -497,7 +498,10 @@ impl<'a> TableReader<'a> {
             known.dedup();
             let found = match similar(name, &known) {
                 Some(similar) => format!("the unknown key `{name}` (did you mean `{similar}`?)"),
-                None => format!("the unknown key `{name}`"),
+                None => match vocabulary::answer(name) {
+                    Some(answer) => format!("the unknown key `{name}` ({answer})"),
+                    None => format!("the unknown key `{name}`"),
+                },
             };
             let expected = if known.is_empty() {
                 "nothing here".to_owned()

@@ -194,8 +194,8 @@ impl Waveform {
         (f64::from(code) - p.y_off) * p.y_mult + p.y_zero
     }
 
-    /// How many points stand at the converter's ends, where the true voltage may lie beyond; none
-    /// where the levels are not those of an 8-bit converter, 25 to a division.
+    /// How many points stand at the converter's ends, where the true voltage may lie beyond: those
+    /// of an 8-bit converter if the levels are its, 25 to a division; those of 16 bits else.
     pub fn clipped(&self) -> usize {
         self.clipped_points().count()
     }
@@ -207,6 +207,10 @@ impl Waveform {
         let has_levels = (self.preamble.y_mult - level).abs() <= ROUND_OFF * level.abs();
         let at_an_end = |code: &i16| matches!(*code, LOWEST_CODE | HIGHEST_CODE);
         let codes = self.codes.iter().enumerate();
-        codes.filter(move |(_, code)| has_levels && at_an_end(code)).map(|(place, _)| place)
+        // The ends of 16 bits stand for values beyond the range of any converter.
+        let is_beyond = |code: &i16| matches!(*code, i16::MIN | i16::MAX);
+        codes
+            .filter(move |(_, code)| (has_levels && at_an_end(code)) || is_beyond(code))
+            .map(|(place, _)| place)
     }
 }

@@ -12,6 +12,7 @@
 //! `n` times the capacitance, in series `d33` on one `n`-th of it. Measured values in
 //! [`SensorMeasurement`] replace those computed from the plate.
 
+mod motion;
 mod tolerance;
 
 use std::collections::BTreeMap;
@@ -19,6 +20,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::trace::Trace;
+pub use motion::{MotionKind, MotionSensor};
 pub use tolerance::SensorTolerance;
 
 /// Permittivity of vacuum, CODATA 2018 (F/m).

@@ -110,6 +110,10 @@ fn is_held(name: &str, scene: &Scene, reference: Method) {
 fn every_shipped_scene_is_as_accurate_as_asked_and_no_worse_than_it_says() {
     for name in Scene::names() {
         let scene = Scene::load(name).expect("a shipped scene");
+        // A chain alone has no readings to hold.
+        if scene.sensors.is_empty() {
+            continue;
+        }
         is_held(name, &scene, Method::DormandPrince853 { tolerance: 1e-14 });
     }
 }

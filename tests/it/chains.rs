@@ -20,6 +20,7 @@ pub fn body(name: &str, mass: f64, radius: Option<f64>, elasticity: Elasticity) 
         length: radius.map_or(3.12e-3, |r| 2.0 * r),
         curvature: radius.map_or(0.0, |r| 1.0 / r),
         elasticity,
+        axis: None,
         yield_strength: None,
     }
 }

@@ -18,7 +18,7 @@ use hertzscope::experiment::{Integration, facts};
 use hertzscope::recording::mcap::{RecordingWriter, read};
 use hertzscope::recording::{Capture, Shot};
 use hertzscope::server::ServerOptions;
-use lines::{ByteTime, serial_port};
+use lines::{ByteTime, serial_port, usb_device};
 use rustix::termios::{ControlModes, tcgetattr};
 
 use crate::server::{Server, scene};
@@ -104,6 +104,28 @@ fn a_serial_line_brings_every_sample() {
         scope.end().expect("a scope as it was");
         drop(server);
         assert_recorded(&[taken.numbered(1, &address).0], &own);
+    }
+}
+
+#[test]
+fn vxi_11_hislip_and_usb_bring_every_sample() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (number, line) in ["vxi11", "hislip", "usb"].into_iter().enumerate() {
+        let own = folder.path().join(format!("own-{number}.mcap"));
+        let server = struck(&own);
+        let address = match line {
+            "vxi11" => format!("TCPIP::127.0.0.1,{}::inst0::INSTR", server.vxi11.port()),
+            "hislip" => format!("TCPIP::127.0.0.1::hislip0,{}::INSTR", server.hislip.port()),
+            _ => {
+                let device = usb_device(server.address, folder.path(), Vec::new());
+                format!("usbtmc:{}", device.display())
+            }
+        };
+        let (taken, events) = shots(&address.parse().expect("an address"), TIMING, 3);
+        drop(server);
+        assert_recorded(&taken, &own);
+        let failed = events.iter().any(|event| matches!(event, AcquisitionEvent::Line(_)));
+        assert!(!failed, "{line}: {events:?}");
     }
 }
 

@@ -66,7 +66,7 @@ fn what_an_effect_changes_is_what_two_runs_say() {
         assert!(entry.reason.contains("needs"), "{}", entry.reason);
     }
     assert_eq!(entry(&found, "gravity").verdict, EffectVerdict::Needed);
-    assert_eq!(entry(&found, "plasticity").verdict, EffectVerdict::NotBuilt);
+    assert_eq!(entry(&found, "plasticity").verdict, EffectVerdict::LeftOut);
     assert_eq!(entry(&found, "dashpot").verdict, EffectVerdict::NoValue);
     let levels = entry(&found, "quantisation").change.expect("a trial").peak_lsb.expect("levels");
     assert!(levels.abs() <= 0.5 + 1e-9, "{levels}");

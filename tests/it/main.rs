@@ -38,10 +38,12 @@ mod isf;
 mod laboratory;
 mod losses;
 mod magnet;
+mod motion_sensors;
 mod numbers;
 mod order;
 mod paper;
 mod physics;
+mod plasticity;
 mod pulses;
 mod random_scenes;
 mod recordings;
@@ -51,6 +53,7 @@ mod scpi;
 #[cfg(feature = "server")]
 mod server;
 mod set_file;
+mod supports;
 mod sweep;
 mod tek_csv;
 #[cfg(feature = "tui")]

@@ -34,8 +34,8 @@ const IDENTITY: &str = "TEKTRONIX,TDS 2014,0,CF:91.1CT FV:v4.12 TDS2CM:CMV:v1.04
 
 pub struct Server {
     pub address: SocketAddr,
-    hislip: SocketAddr,
-    vxi11: SocketAddr,
+    pub hislip: SocketAddr,
+    pub vxi11: SocketAddr,
     mapper: SocketAddr,
     stop: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<Result<(), ServeError>>>,

@@ -6,10 +6,13 @@
 //! variable `HERTZSCOPE_CAPTURES` names their folder.
 
 mod captures;
+mod changed;
 mod foreign;
 mod foreign_captures;
 mod foreign_random;
 mod foreign_texts;
+mod generated_tables;
+mod impact_labs;
 mod imports;
 mod instrument_variants;
 mod made_up;
@@ -18,3 +21,5 @@ mod refused;
 mod round_trip;
 mod rows;
 mod variants;
+
+pub(crate) use captures::NATIVE_CAPTURES;

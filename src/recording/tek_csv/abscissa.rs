@@ -14,7 +14,7 @@ pub(super) fn exact_interval(domain: Domain, printed: f64, text: &str) -> f64 {
         Domain::Frequency => (0..=11)
             .flat_map(|power| [1.0, 2.5, 5.0].map(|digits| digits * 10_f64.powi(power)))
             .map(bin_spacing)
-            .find(|spacing| layout::printed(*spacing, domain) == text)
+            .find(|spacing| layout::spells(*spacing, domain, text))
             .unwrap_or(printed),
     }
 }

@@ -1,12 +1,12 @@
 //! Splits a CSV file into rows and cells: whatever separator, decimal mark, quotes and line ends a
-//! program put there. Comes before the readers of the foreign dialects; the native reader splits
-//! its rows with the same [`RowFields`].
+//! program put there. Comes before all readers.
 //!
 //! A number is kept with the digits it was printed with, because they bound how far it may lie from
 //! the true one.
 
 use std::borrow::Cow;
 
+use super::names::{ColumnUnit, unit};
 use super::text::BYTE_ORDER_MARK;
 use crate::recording::error::{FileLocation, RecordingError, excerpt, place};
 
@@ -14,6 +14,8 @@ use crate::recording::error::{FileLocation, RecordingError, excerpt, place};
 pub(super) const MAX_ROWS: usize = 2_000_000;
 /// Cells of a row that are looked at: 4 channels of `OpenChoice` take 24.
 const MAX_CELLS: usize = 32;
+/// From this on, a number says that the instrument's range was left (SCPI-99, 7.2.1.4).
+pub(super) const LARGEST: f64 = 9.9e37;
 /// Rows that are looked at to find the separator.
 const SAMPLED_ROWS: usize = 16;
 
@@ -36,6 +38,8 @@ pub(super) struct CsvRows<'a> {
     pub(super) separator: char,
     /// Whether numbers have a comma where others have a point.
     pub(super) decimal_comma: bool,
+    /// Whether units stand behind the numbers, in their cells.
+    has_units: bool,
 }
 
 /// One row of a table.
@@ -46,6 +50,7 @@ pub(super) struct Cells<'a> {
     /// Content without quotes and padding, and the column where the cell begins, counted from 1.
     parts: Vec<(&'a str, usize)>,
     decimal_comma: bool,
+    has_units: bool,
 }
 
 impl<'a> CsvRows<'a> {
@@ -63,7 +68,8 @@ impl<'a> CsvRows<'a> {
             lines.pop();
         }
         let separator = separator(&lines);
-        let mut table = Self { file, lines, separator, decimal_comma: false };
+        let mut table = Self { file, lines, separator, decimal_comma: false, has_units: false };
+        table.has_units = table.finds_units();
         table.decimal_comma = (0..table.len()).any(|index| table.has_decimal_comma(index));
         Ok(table)
     }
@@ -71,6 +77,11 @@ impl<'a> CsvRows<'a> {
     /// Rows up to the last that is not blank.
     pub(super) fn len(&self) -> usize {
         self.lines.len()
+    }
+
+    /// Line `index`, not split.
+    pub(super) fn line(&self, index: usize) -> &'a str {
+        self.lines.get(index).copied().unwrap_or_default()
     }
 
     /// Cells of the widest of the first rows.
@@ -86,7 +97,26 @@ impl<'a> CsvRows<'a> {
             line: index + 1,
             parts: split(line, self.separator),
             decimal_comma: self.decimal_comma,
+            has_units: self.has_units,
         }
+    }
+
+    /// Whether a third of the rows, of which some are looked at, have a unit behind a number.
+    fn finds_units(&self) -> bool {
+        let step = (self.len() / (4 * SAMPLED_ROWS)).max(1);
+        let last = (0..self.len()).rev().step_by(step).take(4 * SAMPLED_ROWS);
+        let (mut rows, mut with_units) = (0, 0);
+        for index in last {
+            let row = self.row(index);
+            rows += 1;
+            let found = row.texts().any(|cell| {
+                parted(cell).is_some_and(|(number, _)| {
+                    printed(number, false).is_some() || printed(number, true).is_some()
+                })
+            });
+            with_units += usize::from(found);
+        }
+        3 * with_units > rows
     }
 
     fn has_decimal_comma(&self, index: usize) -> bool {
@@ -117,14 +147,55 @@ impl<'a> Cells<'a> {
         self.texts().all(str::is_empty)
     }
 
-    /// Whether every cell with something in it holds a number, and at least two do.
-    pub(super) fn is_samples(&self) -> bool {
-        let mut filled = self.texts().filter(|cell| !cell.is_empty());
-        filled.clone().count() >= 2 && filled.all(|cell| self.parse(cell).is_some())
+    /// Whether both rows hold at least two numbers, in the same cells, and the same texts beside
+    /// them.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        let is_number = |row: &Self, cell: usize| row.maybe_number(cell).is_some();
+        let cells = 0..self.len().max(other.len());
+        let numbers = cells.clone().filter(|cell| is_number(self, *cell)).count();
+        numbers > 1
+            && cells.into_iter().all(|cell| match (is_number(self, cell), is_number(other, cell)) {
+                (true, true) => true,
+                (false, false) => self.text(cell) == other.text(cell),
+                _ => false,
+            })
+    }
+
+    /// Whether no cell holds a number.
+    pub(super) fn has_no_number(&self) -> bool {
+        self.texts().all(|cell| self.parse(cell).is_none())
     }
 
     pub(super) fn maybe_number(&self, index: usize) -> Option<PrintedNumber> {
         self.parse(self.text(index))
+    }
+
+    /// Whether a cell says that the value was above (true) or below (false) the instrument's range:
+    /// infinity, or the number that SCPI has for it (SCPI-99, 7.2.1.4).
+    pub(super) fn mark(&self, index: usize) -> Option<bool> {
+        const ABOVE: [&str; 5] = ["inf", "infinity", "∞", "over", "overrange"];
+        const BELOW: [&str; 2] = ["under", "underrange"];
+        let text = self.text(index).to_lowercase();
+        let (bare, is_negative) = match text.strip_prefix('-') {
+            Some(bare) => (bare, true),
+            None => (text.strip_prefix('+').unwrap_or(&text), false),
+        };
+        let number = || self.maybe_number(index).filter(|found| found.value.abs() >= LARGEST);
+        match bare {
+            _ if ABOVE.contains(&bare) || number().is_some() => Some(!is_negative),
+            _ if BELOW.contains(&bare) => Some(false),
+            _ => None,
+        }
+    }
+
+    /// A number with either decimal mark.
+    pub(super) fn parse_any(&self, text: &str) -> Option<PrintedNumber> {
+        self.parse(text).or_else(|| printed(text, !self.decimal_comma))
+    }
+
+    /// The unit behind the number in a cell, where values have units of their own.
+    pub(super) fn own_unit(&self, index: usize) -> Option<ColumnUnit> {
+        self.has_units.then(|| parted(self.text(index))).flatten().map(|(_, unit)| unit)
     }
 
     pub(super) fn number(&self, index: usize) -> Result<PrintedNumber, RecordingError> {
@@ -169,7 +240,10 @@ impl<'a> Cells<'a> {
     }
 
     pub(super) fn parse(&self, cell: &str) -> Option<PrintedNumber> {
-        printed(cell, self.decimal_comma)
+        let plain = printed(cell, self.decimal_comma);
+        plain.or_else(|| {
+            printed(self.has_units.then(|| parted(cell)).flatten()?.0, self.decimal_comma)
+        })
     }
 }
 
@@ -204,19 +278,18 @@ fn separator(lines: &[&str]) -> char {
     [';', '\t'].into_iter().find(|mark| head().any(|line| line.contains(*mark))).unwrap_or(',')
 }
 
-/// The fields of a line between separators, each with the column where it begins, counted from 1.
+/// The fields of a line between separators, each with the column where it begins, counted from 1;
+/// separators between quotes belong to a field.
 #[derive(Debug, Clone)]
-pub(super) struct RowFields<'a> {
+struct RowFields<'a> {
     rest: Option<&'a str>,
     column: usize,
     separator: char,
-    /// Whether separators between quotes belong to the cell.
-    quotes: bool,
 }
 
 impl<'a> RowFields<'a> {
-    pub(super) fn of(line: &'a str, separator: char, quotes: bool) -> Self {
-        Self { rest: Some(line), column: 1, separator, quotes }
+    fn of(line: &'a str, separator: char) -> Self {
+        Self { rest: Some(line), column: 1, separator }
     }
 }
 
@@ -227,7 +300,7 @@ impl<'a> Iterator for RowFields<'a> {
         let (line, column) = (self.rest?, self.column);
         let mut quoted = false;
         let ends = |character: char| {
-            quoted ^= self.quotes && character == '"';
+            quoted ^= character == '"';
             character == self.separator && !quoted
         };
         let Some(end) = line.find(ends) else {
@@ -243,15 +316,25 @@ impl<'a> Iterator for RowFields<'a> {
 }
 
 fn split(line: &str, separator: char) -> Vec<(&str, usize)> {
-    let fields =
-        RowFields::of(line, separator, true).map(|(cell, column)| (bare(Some(cell)), column));
+    let fields = RowFields::of(line, separator).map(|(cell, column)| (bare(Some(cell)), column));
     if separator == ' ' {
         let filled = fields.flat_map(|(cell, column)| {
             cell.split('\t').filter(|part| !part.is_empty()).map(move |part| (part, column))
         });
-        return filled.take(MAX_CELLS).collect();
+        // The mark of a remark stands apart from the first name.
+        let is_mark =
+            |(part, column): &(&str, usize)| *column == 1 && matches!(*part, "#" | "%" | ";");
+        return filled.filter(|cell| !is_mark(cell)).take(MAX_CELLS).collect();
     }
     fields.take(MAX_CELLS).collect()
+}
+
+/// A number and the unit behind it: `1.2V`, `400 mV`.
+fn parted(cell: &str) -> Option<(&str, ColumnUnit)> {
+    let is_part = |c: char| c.is_ascii_digit() || matches!(c, '.' | ',' | '+' | '-' | 'e' | 'E');
+    let at = cell.find(|c: char| !is_part(c))?;
+    let (number, text) = cell.split_at_checked(at)?;
+    Some((number, unit(text)?)).filter(|_| !number.is_empty())
 }
 
 fn bare(cell: Option<&str>) -> &str {
@@ -262,7 +345,7 @@ fn bare(cell: Option<&str>) -> &str {
 /// Reads a finite decimal number with its digits.
 fn printed(cell: &str, decimal_comma: bool) -> Option<PrintedNumber> {
     const LONGEST: usize = 40;
-    const LARGEST: i32 = 30;
+    const LARGEST: i32 = 300;
     let allowed = |c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | 'e' | 'E' | '.' | ',');
     if cell.len() > LONGEST || !cell.chars().all(allowed) {
         return None;

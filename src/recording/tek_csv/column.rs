@@ -6,8 +6,9 @@
 //! bounds the true one: `max(10^-D / 2, 10^(m + 1 - S) / 2)` with the most decimals `D` and the
 //! most digits `S` of the column and the number's magnitude `m = floor(log10 |v|)`.
 
-use super::cells::{Cells, PrintedNumber};
-use crate::recording::error::{FileLocation, RecordingError};
+use super::cells::{Cells, LARGEST, PrintedNumber};
+use super::names::ColumnUnit;
+use crate::recording::error::{FileLocation, RecordingError, excerpt};
 
 /// Digits of single precision that can be relied on; numbers that went through it are printed with
 /// more.
@@ -25,21 +26,31 @@ pub(super) struct SampleColumn {
     spots: Vec<(u32, u32)>,
     decimals: i32,
     digits: i32,
-    /// What the unit is larger than the printed one beside powers of ten: 60 for minutes; 0 stands
-    /// for 1.
+    /// Factor of the unit beside powers of ten: 60 for minutes; 0 stands for 1.
     factor: f64,
+    /// Rows without a value before the first.
+    pub(super) before: usize,
+    /// Places of samples beyond the instrument's range, and whether they are above it.
+    pub(super) beyond: Vec<(usize, bool)>,
+    /// The unit that stands behind the numbers.
+    pub(super) own_unit: Option<ColumnUnit>,
     /// Whether a number was printed with a decimal point.
     fractions: bool,
 }
 
 impl SampleColumn {
-    /// Adds cell `index` of `row`.
+    /// Adds cell `index` of `row`; a sample beyond the instrument's range has the value before it
+    /// until the range is known.
     pub(super) fn push(&mut self, row: &Cells<'_>, index: usize) -> Result<(), RecordingError> {
-        let PrintedNumber { value, decimals, digits } = row.number(index)?;
-        self.decimals = if self.values.is_empty() { decimals } else { self.decimals.max(decimals) };
-        self.digits = self.digits.max(digits);
-        self.fractions |= row.text(index).contains(['.', ',']);
-        self.values.push(value);
+        let found = row.maybe_number(index).filter(|found| found.value.abs() < LARGEST);
+        let beyond = if found.is_some() { None } else { row.mark(index) };
+        if let Some(is_above) = beyond {
+            self.beyond.push((self.values.len(), is_above));
+            self.values.push(self.values.last().copied().unwrap_or_default());
+        } else {
+            let found = found.map_or_else(|| row.number(index), Ok)?;
+            self.push_number(row, index, found)?;
+        }
         let (line, column) = row.spot(index);
         let number = |place: usize| u32::try_from(place).unwrap_or(u32::MAX);
         self.spots.push((number(line), number(column)));
@@ -47,6 +58,72 @@ impl SampleColumn {
             row.file().clone_into(&mut self.file);
         }
         Ok(())
+    }
+
+    fn push_number(
+        &mut self,
+        row: &Cells<'_>,
+        index: usize,
+        PrintedNumber { value, decimals, digits }: PrintedNumber,
+    ) -> Result<(), RecordingError> {
+        let unit = row.own_unit(index);
+        let first = self.values.len() == self.beyond.len();
+        match (&self.own_unit, &unit) {
+            (Some(known), Some(unit)) if known == unit => {}
+            (None, None) => {}
+            (None, Some(_)) if first => self.own_unit = unit,
+            _ => {
+                let known = self.own_unit.as_ref().map_or("no unit", |unit| unit.text);
+                let expected = format!("the unit of the rows above, {known}, and its prefix");
+                let found = excerpt(row.text(index));
+                return Err(RecordingError::found(row.place(index), found, expected));
+            }
+        }
+        self.decimals = if first { decimals } else { self.decimals.max(decimals) };
+        self.digits = self.digits.max(digits);
+        self.fractions |= row.text(index).contains(['.', ',']);
+        self.values.push(value);
+        Ok(())
+    }
+
+    /// Counts a row without a value, before the first one.
+    pub(super) fn skip_row(&mut self) {
+        self.before += usize::from(self.values.is_empty());
+    }
+
+    /// The values of `rows`, counted from the table's first.
+    pub(super) fn of_rows(self, rows: std::ops::Range<usize>) -> Self {
+        if rows == (self.before..self.before + self.len()) {
+            return self;
+        }
+        let from = rows.start.saturating_sub(self.before);
+        let to = rows.end.saturating_sub(self.before).min(self.len());
+        let beyond = self.beyond.iter().filter(|(place, _)| (from..to).contains(place));
+        Self {
+            values: self.values.get(from..to).unwrap_or_default().to_vec(),
+            spots: self.spots.get(from..to).unwrap_or_default().to_vec(),
+            beyond: beyond.map(|(place, above)| (place - from, *above)).collect(),
+            before: rows.start,
+            ..self
+        }
+    }
+
+    /// Whether no number is smaller than the one before, and the last larger than the first.
+    pub(super) fn rises(&self) -> bool {
+        let ends = self.values.first().zip(self.values.last());
+        self.values.is_sorted() && ends.is_some_and(|(first, last)| first < last)
+    }
+
+    /// Whether the numbers are 0 and 1 only, printed without a decimal point.
+    pub(super) fn is_logic(&self) -> bool {
+        const FEWEST: usize = 8;
+        let is_bit = |value: &f64| [0.0, 1.0].map(f64::to_bits).contains(&value.to_bits());
+        !self.fractions && self.len() >= FEWEST && self.values.iter().all(is_bit)
+    }
+
+    /// Whether all numbers are printed whole and lie in `range`.
+    pub(super) fn are_whole(&self, (low, high): (f64, f64)) -> bool {
+        !self.fractions && self.values.iter().all(|value| (low..=high).contains(value))
     }
 
     /// Whether the numbers count rows: whole ones, each by one larger, from 0 or 1.
@@ -79,12 +156,27 @@ impl SampleColumn {
         self.factor = factor;
     }
 
+    /// Puts computed numbers in the place of the printed ones, with two decimals more.
+    pub(super) fn replace(&mut self, values: Vec<f64>) {
+        self.values = values;
+        self.decimals += 2;
+        self.digits = MAX_DIGITS;
+    }
+
     pub(super) fn limit_digits(&mut self, digits: i32) {
         self.digits = self.digits.min(digits);
     }
 
     pub(super) fn len(&self) -> usize {
         self.values.len()
+    }
+
+    /// `value` with the decimals of the column.
+    pub(super) fn printed(&self, value: f64) -> String {
+        match usize::try_from(self.decimals) {
+            Ok(decimals) if decimals <= 15 && self.factor == 0.0 => format!("{value:.decimals$}"),
+            _ => value.to_string(),
+        }
     }
 
     /// Where number `index` stands.

@@ -1,4 +1,5 @@
-//! What a user says a table's columns are: `time=1:ms,CH1=2:V,p14=4:N`.
+//! What a user says of a table: its columns (`time=1:ms,CH1=2:V,p14=4:N`), its sample interval, and
+//! whether uneven times are resampled.
 
 use std::str::FromStr;
 
@@ -15,17 +16,23 @@ pub(super) struct GivenColumn {
     pub(super) unit: ColumnUnit,
 }
 
-/// The columns of tables, in the order typed.
+/// The columns of tables, in the order typed, and what else the user says of tables.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TableColumns {
     pub(super) columns: Vec<GivenColumn>,
+    /// Sample interval of tables without times (s).
+    pub interval: Option<f64>,
+    /// Whether uneven times are resampled.
+    pub resample: bool,
 }
 
 /// How `--columns` is written.
 pub const EXAMPLE: &str = "time=1:ms,CH1=2:V,p14=4:N";
+/// How `--interval` is written.
+pub(super) const INTERVAL_EXAMPLE: &str = "--interval \"1 us\"";
 
 impl TableColumns {
-    /// Whether the user left it to the file.
+    /// Whether the user left the columns to the file.
     pub fn is_empty(&self) -> bool {
         self.columns.is_empty()
     }
@@ -42,6 +49,11 @@ impl TableColumns {
 
     pub(super) fn is_time(label: &str) -> bool {
         label.eq_ignore_ascii_case("time") || label.eq_ignore_ascii_case("t")
+    }
+
+    /// The column of times.
+    pub(super) fn time(&self) -> Option<&GivenColumn> {
+        self.columns.iter().find(|column| Self::is_time(&column.label))
     }
 
     /// The channel of each column of values, in the order typed: by its name, or the first that is
@@ -77,9 +89,9 @@ impl FromStr for TableColumns {
         let columns: Vec<GivenColumn> =
             text.split(',').map(column).collect::<Result<_, String>>()?;
         let times = columns.iter().filter(|column| Self::is_time(&column.label)).count();
-        if times != 1 || columns.len() < 2 {
+        if times > 1 || times == columns.len() {
             return Err(wrong(format!("{times} columns of times and {} in all", columns.len())));
         }
-        Ok(Self { columns })
+        Ok(Self { columns, interval: None, resample: false })
     }
 }

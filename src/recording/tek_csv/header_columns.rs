@@ -13,16 +13,23 @@
 //! The instrument stands in `Note`, as `TDS 1002B - <time of day> <date>`; its firmware is not
 //! told.
 
+use super::abscissa::{self, Abscissa};
 use super::cells::CsvRows;
 use super::column::{SINGLE_PRECISION_DIGITS, SampleColumn, rounded};
-use super::detection::rows_above;
-use super::times::StatedTimeBase;
+use super::layout::{Domain, HeaderLayout};
+use super::times::{EvenTimes, StatedTimeBase};
 use super::unscaled_import::UnscaledImport;
 use super::{layout, names};
 use crate::recording::error::{RecordingError, excerpt};
 use crate::recording::{Capture, InstrumentIdentity};
 use crate::scope::{PointFormat, Source};
 
+/// Rows above the header that are searched for it.
+const ROWS_ABOVE: usize = 3;
+/// Cells of a row as an instrument of the family writes it; in all other files there are fewer.
+const NATIVE_CELLS: usize = 6;
+/// Fewest cells of a row with a key, a time and a value.
+const MIN_CELLS: usize = 5;
 /// Rows that are searched for keys.
 const HEADER_ROWS: usize = 24;
 /// From a key to its time and to its value.
@@ -39,10 +46,14 @@ pub(super) struct Block<'a, 't> {
     column: usize,
 }
 
-/// The blocks of a table, from left to right.
+/// The blocks of a table, from left to right; none if its header does not stand beside the samples.
 pub(super) fn blocks<'a, 't>(table: &'t CsvRows<'a>) -> Vec<Block<'a, 't>> {
-    let Some(head) = rows_above(table) else { return Vec::new() };
+    let is_head = |index: &usize| table.row(*index).text(0) == layout::RECORD_LENGTH;
+    let Some(head) = (0..=ROWS_ABOVE).find(is_head) else { return Vec::new() };
     let row = table.row(head);
+    if row.len() < MIN_CELLS {
+        return Vec::new();
+    }
     let columns = row.texts().enumerate().filter(|(_, cell)| *cell == layout::RECORD_LENGTH);
     columns.map(|(column, _)| Block { table, head, column }).collect()
 }
@@ -71,7 +82,8 @@ impl<'a> Block<'a, '_> {
 
     /// Everything but the zero level, which dialects put in different rows.
     pub(super) fn import(&self) -> Result<UnscaledImport, RecordingError> {
-        let (times, values) = self.samples()?;
+        let mut notes = Vec::new();
+        let (times, values) = self.samples(&mut notes)?;
         let mut draft = UnscaledImport {
             times,
             values,
@@ -87,13 +99,44 @@ impl<'a> Block<'a, '_> {
             y_unit: self.unit(layout::VERTICAL_UNITS),
             point_format: self.point_format()?,
             instrument: self.instrument(),
+            notes,
             ..UnscaledImport::default()
         };
+        if !matches!(draft.x_unit.as_deref(), None | Some("s" | "Hz"))
+            && let Some((_, index)) = self.text(layout::HORIZONTAL_UNITS)
+        {
+            return Err(self.wrong(layout::HORIZONTAL_UNITS, index, "s or Hz"));
+        }
+        draft.even = self.frequencies(&mut draft);
+        draft.notes.extend(
+            self.text(layout::SOURCE)
+                .and_then(|(text, _)| layout::spelling_note(layout::source_of(text)?, text)),
+        );
+        let has_serial = draft.instrument.as_ref().is_some_and(|found| !found.serial.is_empty());
+        if has_serial && draft.instrument.as_ref().is_some_and(|found| found.model.is_empty()) {
+            draft.notes.push("the instrument's model is not given in the file".to_owned());
+        }
         self.note_rows(&mut draft)?;
+        self.note_time_base(&mut draft);
         if self.table.decimal_comma {
             draft.notes.push("numbers have a decimal comma".to_owned());
         }
         Ok(draft)
+    }
+
+    /// Notes a time base that is not that of the sample interval.
+    fn note_time_base(&self, draft: &mut UnscaledImport) {
+        const POINTS_PER_DIVISION: f64 = 250.0;
+        let is_time = draft.x_unit.as_deref() != Some("Hz");
+        let both = draft.stated.interval.zip(draft.horizontal_scale).filter(|_| is_time);
+        if let Some((interval, scale)) = both
+            && (scale / (POINTS_PER_DIVISION * interval) - 1.0).abs() > 1e-3
+        {
+            draft.notes.push(format!(
+                "the header's time base, {scale:e} s/div, is not 250 sample intervals, {:e} s/div",
+                POINTS_PER_DIVISION * interval
+            ));
+        }
     }
 
     fn note_rows(&self, draft: &mut UnscaledImport) -> Result<(), RecordingError> {
@@ -117,7 +160,10 @@ impl<'a> Block<'a, '_> {
         Ok(())
     }
 
-    fn samples(&self) -> Result<(SampleColumn, SampleColumn), RecordingError> {
+    fn samples(
+        &self,
+        notes: &mut Vec<String>,
+    ) -> Result<(SampleColumn, SampleColumn), RecordingError> {
         let (mut times, mut values) = (SampleColumn::default(), SampleColumn::default());
         let (time, value) = (self.column + TO_TIME, self.column + TO_VALUE);
         for index in self.head..self.table.len() {
@@ -126,10 +172,60 @@ impl<'a> Block<'a, '_> {
             if names && times.len() == 0 && index < self.head + HEADER_ROWS {
                 continue;
             }
+            let is_last = index + 1 == self.table.len() && times.len() > 1;
+            let is_cut = row.maybe_number(time).is_none() || row.maybe_number(value).is_none();
+            if is_last && (is_cut || row.len() < self.table.row(index - 1).len()) {
+                notes.push(format!("line {}, the last one, is cut and left out", index + 1));
+                break;
+            }
             times.push(&row, time)?;
             values.push(&row, value)?;
         }
         Ok((times, values))
+    }
+
+    /// The frequencies of a spectrum, if they are those that the family prints: their interval
+    /// follows from the sampling rate, and the printed one is cut to seven digits.
+    fn frequencies(&self, draft: &mut UnscaledImport) -> Option<EvenTimes> {
+        if draft.x_unit.as_deref() != Some("Hz") || draft.stated.trigger_point != Some(0.0) {
+            return None;
+        }
+        let (text, _) = self.text(layout::SAMPLE_INTERVAL)?;
+        let printed = draft.stated.interval?;
+        let named = self.text(layout::MODEL).is_some();
+        let column = Abscissa {
+            domain: Domain::Frequency,
+            layout: if named { HeaderLayout::Named } else { HeaderLayout::Old },
+            interval: abscissa::exact_interval(Domain::Frequency, printed, text),
+            trigger_point: 0.0,
+        };
+        let is_near = |(index, found): (u32, &f64)| {
+            let expected = column.value(index);
+            let tolerance = column.tolerance(expected).max(draft.times.tolerance(*found));
+            (found - expected).abs() <= tolerance
+        };
+        let interval = column.interval;
+        draft.notes.extend(layout::interval_note(interval, Domain::Frequency, text));
+        let is_native = (0..).zip(&draft.times.values).all(is_near);
+        is_native.then_some(EvenTimes { interval, trigger_point: 0.0 })
+    }
+
+    /// Notes rows below the header with something in the cells beside time and value.
+    fn note_other_cells(&self, draft: &mut UnscaledImport) {
+        let (time, value) = (self.column + TO_TIME, self.column + TO_VALUE);
+        let is_odd = |index: &usize| {
+            let row = self.table.row(*index);
+            let mut others = (self.column..row.len()).filter(|cell| ![time, value].contains(cell));
+            others.any(|cell| !row.text(cell).is_empty())
+        };
+        let mut odd = (self.head + HEADER_ROWS..self.table.len()).filter(is_odd);
+        if let Some(first) = odd.next() {
+            draft.notes.push(format!(
+                "{} rows have something beside time and value, which is passed over; the first is line {}",
+                1 + odd.count(),
+                first + 1
+            ));
+        }
     }
 
     fn source(&self) -> Result<Option<Source>, RecordingError> {
@@ -185,8 +281,32 @@ const NOTE: &str = "Note";
 /// Digits of single precision that the header's numbers keep.
 const DIGITS: usize = 6;
 
-pub(super) fn read_openchoice(table: &CsvRows<'_>) -> Result<Vec<Capture>, RecordingError> {
-    (1..).zip(blocks(table)).map(|(channel, block)| capture(table, &block, channel)).collect()
+/// The captures of the blocks; `has_end` says that the last line has an end.
+pub(super) fn read(
+    blocks: &[Block<'_, '_>],
+    has_end: bool,
+) -> Result<Vec<Capture>, RecordingError> {
+    let one = |(channel, block): (u8, &Block<'_, '_>)| {
+        // `OpenChoice` writes a unit behind the record length.
+        let head = block.table.row(block.head);
+        if head.text(block.column + 2).contains(|c: char| c.is_ascii_alphabetic()) {
+            return capture(block.table, block, channel);
+        }
+        let mut draft = block.import()?;
+        let key = match draft.y_unit.as_deref() {
+            Some("dB") => layout::Y_ZERO,
+            _ => layout::VERTICAL_OFFSET,
+        };
+        draft.zero = block.number(key)?;
+        if let [only] = blocks {
+            only.note_other_cells(&mut draft);
+        }
+        if head.len() == NATIVE_CELLS && !has_end {
+            draft.notes.push("the last line has no end: its value may be cut".to_owned());
+        }
+        draft.capture(block.table.file, channel)
+    };
+    (1..).zip(blocks).map(one).collect()
 }
 
 fn capture(
@@ -228,19 +348,4 @@ fn note(draft: &mut UnscaledImport, block: &Block<'_, '_>) {
     }
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
     draft.notes.push(format!("OpenChoice says: {text}"));
-}
-
-pub(super) fn read_spreadsheet(table: &CsvRows<'_>) -> Result<Vec<Capture>, RecordingError> {
-    (1..)
-        .zip(blocks(table))
-        .map(|(channel, block)| {
-            let mut draft = block.import()?;
-            let key = match draft.y_unit.as_deref() {
-                Some("dB") => layout::Y_ZERO,
-                _ => layout::VERTICAL_OFFSET,
-            };
-            draft.zero = block.number(key)?;
-            draft.capture(table.file, channel)
-        })
-        .collect()
 }

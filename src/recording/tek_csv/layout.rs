@@ -57,6 +57,27 @@ pub(super) fn printed(value: f64, domain: Domain) -> String {
     c_exponential(value, DECIMALS)
 }
 
+/// Whether `text` is `value` as a header prints it; at 1 GS/s the firmware rounds the half down.
+pub(super) fn spells(value: f64, domain: Domain, text: &str) -> bool {
+    printed(value, domain) == text || c_exponential(value, DECIMALS) == text
+}
+
+/// How a capture's note begins that keeps another spelling of its interval.
+const INTERVAL_SPELLING: &str = "the file gives the interval as ";
+
+/// The note that keeps `text`, the file's own spelling of an interval; none for the usual one.
+pub(super) fn interval_note(value: f64, domain: Domain, text: &str) -> Option<String> {
+    let is_other = spells(value, domain, text) && printed(value, domain) != text;
+    is_other.then(|| format!("{INTERVAL_SPELLING}{text}"))
+}
+
+/// The interval as the capture's own file spells it.
+pub(super) fn interval_spelling(value: f64, domain: Domain, notes: &[String]) -> String {
+    let kept = notes.iter().find_map(|note| note.strip_prefix(INTERVAL_SPELLING));
+    let same = kept.filter(|text| spells(value, domain, text));
+    same.map_or_else(|| printed(value, domain), str::to_owned)
+}
+
 pub(super) const RECORD_LENGTH: &str = "Record Length";
 pub(super) const SAMPLE_INTERVAL: &str = "Sample Interval";
 pub(super) const TRIGGER_POINT: &str = "Trigger Point";
@@ -163,16 +184,6 @@ impl Domain {
             Self::Time => 2500,
             Self::Frequency => 1024,
         }
-    }
-
-    /// How far a printed ordinate may lie from its level (V; dB for an FFT): half the last digit,
-    /// and for decibels as much again because the printed `Yzero` is itself rounded.
-    pub(super) fn ordinate_tolerance(self, ordinate: f64) -> f64 {
-        let digits = match self {
-            Self::Time => 0.5,
-            Self::Frequency => 1.0,
-        };
-        digits * ORDINATE_DIGIT * (1.0 + 1e-6) + 4.0 * f64::EPSILON * ordinate.abs()
     }
 }
 

@@ -24,6 +24,9 @@ const DIGIT_TOLERANCE: f64 = 0.25;
 const GUESS_TOLERANCE: f64 = 0.3;
 /// Rounding error of a level, as a share of it.
 const LEVEL_ROUND_OFF: f64 = 1e-6;
+/// Largest share of values that may be off the grid of the header's scale: single digits that were
+/// changed (1).
+const MAX_STRAY_SHARE: f64 = 0.01;
 /// A gap between neighbouring values is searched for levels up to this many.
 const MAX_LEVELS_IN_GAP: u32 = 8;
 
@@ -49,6 +52,8 @@ pub(super) struct ValueGrid {
     pub(super) origin: f64,
     pub(super) indices: Vec<i64>,
     pub(super) evidence: LevelSource,
+    /// Values that are not on the grid, and have the nearest index.
+    pub(super) strays: Vec<usize>,
 }
 
 impl ValueGrid {
@@ -89,13 +94,21 @@ fn on_grid(column: &SampleColumn, step: f64, evidence: LevelSource) -> Option<Va
     let first = column.values.first().copied().unwrap_or_default();
     [0.0, first].into_iter().find_map(|origin| {
         let spare = if origin == 0.0 { 0.0 } else { tolerance(first) };
-        let index = |value: &f64| {
-            let index = ((value - origin) / step).round();
-            let off = (value - origin - index * step).abs();
-            (off <= tolerance(*value) + spare + LEVEL_ROUND_OFF * step).then_some(whole(index))
+        let index = |value: &f64| ((value - origin) / step).round();
+        let is_off = |(_, value): &(usize, &f64)| {
+            let off = (*value - origin - index(value) * step).abs();
+            off > tolerance(**value) + spare + LEVEL_ROUND_OFF * step
         };
-        let indices: Option<Vec<i64>> = column.values.iter().map(index).collect();
-        indices.map(|indices| ValueGrid { step, origin, indices, evidence })
+        let allowed = match evidence {
+            LevelSource::Scale => (MAX_STRAY_SHARE * column.len() as f64) as usize,
+            _ => 0,
+        };
+        let strays = column.values.iter().enumerate().filter(is_off).take(allowed + 1);
+        let strays: Vec<usize> = strays.map(|(place, _)| place).collect();
+        (strays.len() <= allowed).then(|| {
+            let indices = column.values.iter().map(|value| whole(index(value))).collect();
+            ValueGrid { step, origin, indices, evidence, strays }
+        })
     })
 }
 
@@ -156,7 +169,7 @@ fn from_digits(column: &SampleColumn) -> Option<ValueGrid> {
     let usable = step.is_finite() && step > 0.0 && high - low <= MAX_LEVELS * step;
     usable.then(|| {
         let indices = column.values.iter().map(|value| whole((value / step).round())).collect();
-        ValueGrid { step, origin: 0.0, indices, evidence: LevelSource::Digits }
+        ValueGrid { step, origin: 0.0, indices, evidence: LevelSource::Digits, strays: Vec::new() }
     })
 }
 
@@ -174,7 +187,8 @@ fn rounded(column: &SampleColumn) -> ValueGrid {
         .map(|value| (value - low - index(value) * step).abs())
         .fold(0.0, f64::max);
     let indices = column.values.iter().map(|value| whole(index(value))).collect();
-    ValueGrid { step, origin: low, indices, evidence: LevelSource::Rounded(error) }
+    let evidence = LevelSource::Rounded(error);
+    ValueGrid { step, origin: low, indices, evidence, strays: Vec::new() }
 }
 
 fn whole(index: f64) -> i64 {

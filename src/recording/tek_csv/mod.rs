@@ -39,20 +39,17 @@
 //! old dialect have not been seen; they follow the rule of the newer one from row 17 on. The file
 //! tells neither coupling nor bandwidth nor inversion.
 //!
-//! # Other dialects
-//! [`read_all`] also takes what `OpenChoice`, spreadsheets (`openchoice`, `spreadsheet`), newer
-//! models, other makers and people save as tables (`table`, by `names` and `keys`). They bring rows
-//! to `unscaled_import`, where `times` finds the even spacing and `levels` the digitiser's levels,
-//! and every guess is written into the capture's notes. [`read()`] stays strict and refuses them by
-//! name.
+//! # What the reader allows
+//! [`read_all`] takes native files, and what `OpenChoice`, spreadsheets (`header_columns`), newer
+//! models, other makers and people save as tables (`table`, by `names` and `keys`). All of them
+//! bring rows to `unscaled_import`, where `times` finds the even spacing and `levels` the
+//! digitiser's levels. What is odd or guessed is written into the capture's notes; a native file as
+//! an instrument saved it has none.
 
 mod abscissa;
 mod cells;
 mod column;
 mod columns;
-mod detection;
-mod dialect;
-mod header;
 mod header_columns;
 mod keys;
 mod layout;
@@ -67,6 +64,5 @@ mod unscaled_import;
 mod write;
 
 pub use columns::{EXAMPLE as COLUMNS_EXAMPLE, TableColumns};
-pub use dialect::Dialect;
 pub use read::{MAXIMUM_BYTES, read, read_all, read_columns};
 pub use write::write;

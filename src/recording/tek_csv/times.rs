@@ -22,6 +22,12 @@ const TOLD_INTERVAL_WIDTH: f64 = 1e-3;
 /// A printed digit of more than this share of the interval cannot tell rounding from a missing row
 /// (1).
 const MAX_DIGIT_SHARE: f64 = 0.6;
+/// Times that are off even spacing by less than this share of an interval are taken as even (1).
+const MAX_UNEVEN_SHARE: f64 = 1e-3;
+/// The same of times that single precision cannot tell apart better (1).
+const MAX_SINGLE_SHARE: f64 = 0.1;
+/// From this share of odd intervals on, times are uneven as a whole (1).
+const UNEVEN_SHARE: f64 = 0.05;
 /// Cutting planes until the best interval is found; a few suffice.
 const MAX_CUTS: usize = 60;
 /// Most digits of a number (1).
@@ -67,7 +73,69 @@ impl EvenTimes {
             times.compare(stated, (range, unit), notes);
             return Ok(times);
         }
+        if let Some((times, off)) = rows.nearly_even(stated) {
+            notes.push(format!(
+                "times are off even spacing by up to {}, {} of an interval, as numbers of single precision are; even spacing is taken",
+                engineering(off, unit, 2),
+                share(off / times.interval)
+            ));
+            times.compare(stated, (None, unit), notes);
+            return Ok(times);
+        }
         Err(rows.uneven(column, best, None, unit))
+    }
+
+    /// Puts `values` at uneven `times` on an even grid of as many points, by straight lines between
+    /// neighbours (`f(t) = f_i + (f_(i+1) - f_i)(t - t_i)/(t_(i+1) - t_i)`, error at most
+    /// `h^2/8 max |f''|`); notes what that does.
+    pub(super) fn resample(
+        times: &SampleColumn,
+        values: &mut SampleColumn,
+        (unit, y_unit): (&'static str, &str),
+        notes: &mut Vec<String>,
+    ) -> Result<Self, RecordingError> {
+        let found = times.values.as_slice();
+        let steps = || found.iter().zip(found.iter().skip(1)).map(|(a, b)| b - a);
+        if let Some(index) = steps().position(|step| step <= 0.0) {
+            let (found, expected) =
+                ("a time that is not after the one before", "rising times to resample");
+            return Err(RecordingError::found(times.place(index + 1), found, expected));
+        }
+        let (first, last) = (found.first().copied(), found.last().copied());
+        let (first, last) = (first.unwrap_or_default(), last.unwrap_or_default());
+        let interval = (last - first) / (found.len().saturating_sub(1).max(1)) as f64;
+        let [smallest, largest] = extremes(steps());
+        let bend = values.values.windows(3).map(|three| match three {
+            [a, b, c] => (a - 2.0 * b + c).abs(),
+            _ => 0.0,
+        });
+        let bend = bend.fold(0.0, f64::max);
+        let mut place = 0;
+        let at = |time: f64, place: usize| {
+            let [from, to] = [place, place + 1].map(|at| found.get(at).copied().unwrap_or(last));
+            let [low, high] =
+                [place, place + 1].map(|at| values.values.get(at).copied().unwrap_or_default());
+            if to > from { low + (high - low) * (time - from) / (to - from) } else { low }
+        };
+        let resampled = (0..found.len()).map(|index| {
+            let time = (first + index as f64 * interval).min(last);
+            while place + 2 < found.len() && found.get(place + 1).is_some_and(|next| *next < time) {
+                place += 1;
+            }
+            at(time, place)
+        });
+        let resampled: Vec<f64> = resampled.collect();
+        values.replace(resampled);
+        let shown = |time: f64| engineering(time, unit, 4);
+        notes.push(format!(
+            "uneven times, {} to {} apart, are resampled every {} by straight lines: add an uncertainty of up to {} to times and of about {} (an eighth of the largest bend) to values",
+            shown(smallest),
+            shown(largest),
+            shown(interval),
+            engineering(largest / 2.0, unit, 2),
+            engineering(bend / 8.0, y_unit, 2)
+        ));
+        Ok(Self { interval, trigger_point: 0.0 - first / interval })
     }
 
     /// Whether one even spacing, forward in time, explains the column.
@@ -253,6 +321,29 @@ impl<'a> Rows<'a> {
         outside
     }
 
+    /// An even spacing from which no time is farther than single precision rounds, or than a
+    /// thousandth of an interval; and how far they are off.
+    fn nearly_even(&self, stated: StatedTimeBase) -> Option<(EvenTimes, f64)> {
+        let (first, last) = self.times.first().copied().zip(self.times.last().copied())?;
+        let count = self.times.len().checked_sub(1).filter(|count| *count > 1)? as f64;
+        let best = (last - first) / count;
+        let largest = first.abs().max(last.abs()).max(f64::MIN_POSITIVE);
+        let single = 2f64.powf(largest.log2().floor() - f64::from(f32::MANTISSA_DIGITS - 1));
+        let limit = (MAX_UNEVEN_SHARE * best).max(single.min(MAX_SINGLE_SHARE * best));
+        let width = 2.0 * limit / count;
+        let by_header = stated.interval.filter(|interval| (interval - best).abs() <= width);
+        let interval = by_header.unwrap_or_else(|| simplest(best - width, best + width, best));
+        let left =
+            self.times.iter().enumerate().map(|(index, time)| time - index as f64 * interval);
+        let [low, high] = extremes(left);
+        let off = 0.5 * (high - low);
+        if !(interval > 0.0 && off <= limit) {
+            return None;
+        }
+        let trigger_point = self.trigger(interval, (high - limit, low + limit), stated);
+        Some((EvenTimes { interval, trigger_point }, off))
+    }
+
     /// The trigger point: the header's, a whole one, that of the first row as printed, or the
     /// middle of what is possible.
     fn trigger(&self, interval: f64, (low, high): (f64, f64), stated: StatedTimeBase) -> f64 {
@@ -289,15 +380,38 @@ impl<'a> Rows<'a> {
         gap: Option<usize>,
         unit: &'static str,
     ) -> RecordingError {
-        let uneven = |found: f64, expected: String, index: usize| {
-            let expected = format!("{expected} {unit} by even spacing");
+        let steps = || self.times.iter().zip(self.times.iter().skip(1)).map(|(a, b)| b - a);
+        let [smallest, largest] = extremes(steps());
+        let usual = median(steps().collect());
+        let shown = |time: f64| engineering(time, unit, 4);
+        let spread = format!(
+            "the intervals are {} to {}, the median is {}",
+            shown(smallest),
+            shown(largest),
+            shown(usual)
+        );
+        let advice = if smallest > 0.0 {
+            format!("; {spread}: --resample puts the values on an even grid")
+        } else {
+            String::new()
+        };
+        let uneven = |found: String, expected: String, index: usize| {
+            let expected = format!("{expected} {unit} by even spacing{advice}");
             RecordingError::found(column.place(index), format!("{found} {unit}"), expected)
         };
+        let odd = steps().filter(|step| (step - usual).abs() > 0.5 * column.digit()).count();
+        if smallest > 0.0 && odd as f64 > UNEVEN_SHARE * self.times.len() as f64 && gap.is_none() {
+            let place = column.place(0).file;
+            let problem = format!("found uneven times, expected even spacing; {spread}");
+            let advice = "--resample puts the values on an even grid";
+            return RecordingError::new(place, format_args!("{problem}: {advice}"));
+        }
         let first = self.times.first().copied().unwrap_or_default();
         if best.is_nan() || best <= 0.0 {
             let index = self.times.len().saturating_sub(1);
             let found = self.times.last().copied().unwrap_or_default();
-            let expected = format!("more than {first:e}");
+            let expected = format!("more than {}", column.printed(first));
+            let found = column.printed(found);
             return uneven(found, expected, index);
         }
         // The median of steps over half the record, and of what it leaves: single rows do not
@@ -319,10 +433,27 @@ impl<'a> Rows<'a> {
         };
         let miss = gap.or_else(|| rows().position(far)).or_else(farthest);
         let index = miss.unwrap_or_default();
-        let found = self.times.get(index).copied().unwrap_or_default();
-        let expected = format!("{:.6e}", expected(index));
+        let time = |index: usize| self.times.get(index).copied();
+        let found = column.printed(time(index).unwrap_or_default());
+        // Behind a missing row, one step from the row before it is expected: the spacing of the
+        // whole column is too wide.
+        let steps = self.times.iter().zip(self.times.iter().skip(1)).map(|(a, b)| b - a);
+        let next = gap.and_then(|gap| Some(time(gap.checked_sub(1)?)? + median(steps.collect())));
+        let expected = column.printed(next.unwrap_or_else(|| expected(index)));
         uneven(found, expected, index)
     }
+}
+
+/// Smallest and largest of numbers.
+fn extremes(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
+    numbers.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], number| {
+        [low.min(number), high.max(number)]
+    })
+}
+
+/// A share as a percentage with two digits.
+fn share(share: f64) -> String {
+    format!("{} %", rounded(100.0 * share, 2))
 }
 
 /// The number with the fewest digits between `low` and `high`; where many digits lie between them,

@@ -5,6 +5,7 @@
 //! `volts = (code - y_off) y_mult + y_zero`, and in the time domain `y_zero = 0`.
 
 use super::column::{SampleColumn, one_two_five, ten_to};
+use super::layout::PRINTING_ERROR;
 use super::levels::{LevelSource, ValueGrid};
 use super::times::{EvenTimes, StatedTimeBase};
 use crate::quantity::engineering;
@@ -43,6 +44,8 @@ pub(super) struct UnscaledImport {
     pub(super) point_format: Option<PointFormat>,
     pub(super) instrument: Option<InstrumentIdentity>,
     pub(super) notes: Vec<String>,
+    /// Whether uneven times are resampled.
+    pub(super) resample: bool,
 }
 
 /// The digitiser's side of a capture.
@@ -70,7 +73,7 @@ impl UnscaledImport {
         let unit = if x_unit == "Hz" { "Hz" } else { "s" };
         let times = match self.even {
             Some(even) => even,
-            None => EvenTimes::fit(&self.times, self.stated, unit, &mut self.notes)?,
+            None => self.even_times((unit, &y_unit))?,
         };
         let vertical = self.vertical(&y_unit);
         let source = self.source.unwrap_or_else(|| {
@@ -119,6 +122,21 @@ impl UnscaledImport {
         Ok(Capture { waveform, instrument: self.instrument, notes: self.notes })
     }
 
+    /// The spacing of the times, which are resampled if they are uneven and the user wants it.
+    fn even_times(&mut self, units: (&'static str, &str)) -> Result<EvenTimes, RecordingError> {
+        let found = EvenTimes::fit(&self.times, self.stated, units.0, &mut self.notes);
+        if found.is_ok() || !self.resample {
+            return found;
+        }
+        if !self.values.beyond.is_empty() {
+            let place = self.values.beyond.first().map(|(index, _)| self.values.place(*index));
+            let place = place.map(|place| place.to_string()).unwrap_or_default();
+            let (found, expected) = ("a value beyond the range", "none where times are resampled");
+            return Err(RecordingError::found(place, found, expected));
+        }
+        EvenTimes::resample(&self.times, &mut self.values, units, &mut self.notes)
+    }
+
     /// Notes that the file does not tell `what`, and returns what is taken instead.
     fn assume(&mut self, taken: &str, what: &str) -> String {
         self.notes.push(format!("{what} taken as {taken}: not given in the file"));
@@ -136,14 +154,29 @@ impl UnscaledImport {
 
     fn vertical(&mut self, unit: &str) -> Vertical {
         let stated = self.scale.filter(|scale| *scale > 0.0);
+        if !self.values.beyond.is_empty() {
+            return self.beyond_range(stated, unit);
+        }
         let grid = ValueGrid::find(&self.values, stated);
         self.note_evidence(&grid, stated, unit);
+        self.note_strays(&grid, unit);
         let scale = stated.unwrap_or_else(|| self.guess_scale(&grid, unit));
         let shift = self.shift(&grid, unit);
         let zero_index = whole_if_near(grid.origin / grid.step);
+        // The values are printed with fewer digits than the header's zero.
+        let exact = |found: f64, stated: Option<f64>, tolerance: f64| {
+            stated.filter(|stated| (found - stated).abs() <= tolerance).unwrap_or(found)
+        };
         let (y_off, y_zero) = match unit {
-            "dB" => (0.0, grid.origin - shift as f64 * grid.step),
-            _ => (shift as f64 - zero_index, 0.0),
+            "dB" => {
+                let found = grid.origin - shift as f64 * grid.step;
+                (0.0, exact(found, self.zero, 2.0 * self.values.tolerance(grid.origin)))
+            }
+            _ => {
+                let stated = self.zero.filter(|_| grid.evidence == LevelSource::Scale);
+                let levels = stated.map(|zero| whole_levels(zero / grid.step));
+                (exact(shift as f64 - zero_index, levels, ZERO_LEVEL_TOLERANCE), 0.0)
+            }
         };
         let code = |index: &i64| {
             i16::try_from(index.saturating_add(shift)).unwrap_or(if *index < 0 {
@@ -160,6 +193,39 @@ impl UnscaledImport {
             zero => zero.unwrap_or_default() / scale,
         };
         Vertical { codes, y_mult: grid.step, y_off, y_zero, scale, position }
+    }
+
+    /// Values of which some are beyond the instrument's range: they have the ends of 16 bits, just
+    /// outside of all others.
+    fn beyond_range(&mut self, stated: Option<f64>, unit: &str) -> Vertical {
+        const STEPS: f64 = 65_530.0;
+        const LOWEST: f64 = -32_765.0;
+        let ends: std::collections::BTreeMap<usize, bool> =
+            self.values.beyond.iter().copied().collect();
+        let inside = self.values.values.iter().enumerate().filter(|(at, _)| !ends.contains_key(at));
+        let (low, high) = inside
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (_, value)| {
+                (low.min(*value), high.max(*value))
+            });
+        let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
+        let digit = ten_to(-self.values.decimals());
+        let step = ((high - low) / STEPS).max(digit / STEPS);
+        let y_off = (LOWEST - low / step).round();
+        let code = |(at, value): (usize, &f64)| match ends.get(&at) {
+            Some(true) => i16::MAX,
+            Some(false) => i16::MIN,
+            None => (value / step + y_off).round() as i16,
+        };
+        let codes = self.values.values.iter().enumerate().map(code).collect();
+        let eighth = (low.abs().max(high.abs()) / 4.0).max(step);
+        let scale = stated.unwrap_or(eighth);
+        self.notes.push(format!(
+            "{} values are marked as beyond the instrument's range and count as clipped; values are kept in 16 bits, in steps of {}",
+            ends.len(),
+            engineering(step, unit, 4)
+        ));
+        let position = self.zero.unwrap_or_default() / scale;
+        Vertical { codes, y_mult: step, y_off, y_zero: 0.0, scale, position }
     }
 
     fn note_evidence(&mut self, grid: &ValueGrid, stated: Option<f64>, unit: &str) {
@@ -185,6 +251,19 @@ impl UnscaledImport {
             ),
         };
         self.notes.push(note);
+    }
+
+    fn note_strays(&mut self, grid: &ValueGrid, unit: &str) {
+        let Some(first) = grid.strays.first() else { return };
+        let value = |list: Option<f64>| engineering(list.unwrap_or_default(), unit, 6);
+        let taken = grid.indices.get(*first).map(|index| grid.origin + *index as f64 * grid.step);
+        self.notes.push(format!(
+            "{} values are not levels of the digitiser and are taken as the nearest one; the first, in line {}, is {}, taken as {}",
+            grid.strays.len(),
+            self.values.place(*first).line,
+            value(self.values.values.get(*first).copied()),
+            value(taken)
+        ));
     }
 
     /// The scale behind the levels, or one at which the screen holds all of them.
@@ -269,6 +348,12 @@ impl UnscaledImport {
 
 fn fits<T: TryFrom<i64>>(low: i64, high: i64) -> bool {
     T::try_from(low).is_ok() && T::try_from(high).is_ok()
+}
+
+/// `levels` of a printed offset, without the error of printing if it means a whole number.
+fn whole_levels(levels: f64) -> f64 {
+    let whole = levels.round();
+    if (whole - levels).abs() <= PRINTING_ERROR * levels.abs() { whole } else { levels }
 }
 
 /// `levels` without round-off, where it means a whole number.

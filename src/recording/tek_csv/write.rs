@@ -30,7 +30,9 @@ pub fn write(capture: &Capture) -> Result<String, RecordingError> {
     let layout = layout_of(instrument)?;
     let (domain, numbers) = checked(waveform)?;
     let source = layout::spelling(waveform.source, &capture.notes);
-    let values = header_values((waveform, &source), domain, &numbers, instrument, layout);
+    let interval = layout::interval_spelling(numbers.interval, domain, &capture.notes);
+    let values =
+        header_values((waveform, [&source, &interval]), domain, &numbers, instrument, layout);
     let abscissa = Abscissa {
         domain,
         layout,
@@ -59,7 +61,7 @@ pub fn write(capture: &Capture) -> Result<String, RecordingError> {
 
 /// The values beside the keys of `layout`, in the same order.
 fn header_values(
-    (waveform, source): (&Waveform, &str),
+    (waveform, [source, interval]): (&Waveform, [&str; 2]),
     domain: Domain,
     numbers: &Numbers,
     instrument: &InstrumentIdentity,
@@ -71,7 +73,7 @@ fn header_values(
         .iter()
         .map(|key| match *key {
             layout::RECORD_LENGTH => number(f64::from(domain.record_length())),
-            layout::SAMPLE_INTERVAL => number(numbers.interval),
+            layout::SAMPLE_INTERVAL => interval.to_owned(),
             layout::TRIGGER_POINT => {
                 c_exponential(numbers.trigger_point, layout::TRIGGER_POINT_DECIMALS)
             }

@@ -6,6 +6,7 @@ use super::{ChosenMethod, Point, Reference};
 use crate::experiment::accuracy::climb;
 use crate::experiment::bench::Grid;
 use crate::experiment::estimate::{arrival_error, largest_error, peak_error, trace_error};
+use crate::experiment::method_choice::serves;
 use crate::experiment::run::Run;
 use crate::experiment::{Integration, RunError, method};
 use crate::motion::{IntegrateError, Method};
@@ -46,7 +47,7 @@ const ADAPTIVE: [Make; 5] = [
 /// tight.
 pub fn settings(scene: &Scene) -> Vec<Method> {
     let (fixed, adaptive) = (FIXED, ADAPTIVE);
-    let suits = |method: Method| method.suits(scene.chain.is_dissipative());
+    let suits = |method: Method| serves(&scene.chain, method);
     let mut settings = Vec::new();
     for make in fixed.into_iter().filter(|make| suits(make(1.0))) {
         let (_, reach) = make(1.0).fixed_step().unwrap_or((1.0, 2.0));
@@ -242,7 +243,9 @@ impl ChosenMethod {
 /// The integrator's error where no two methods come to an end, in words.
 pub fn reference(scene: &Scene) -> Result<(Run<'_>, Reference), String> {
     let tolerance = REFERENCE_TOLERANCE;
-    let methods = if scene.chain.is_dissipative() {
+    let methods = if scene.chain.needs_explicit_method() {
+        vec![Method::DormandPrince54 { tolerance }, Method::DormandPrince853 { tolerance }]
+    } else if scene.chain.is_dissipative() {
         vec![
             Method::DormandPrince54 { tolerance },
             Method::DormandPrince853 { tolerance },

@@ -3,7 +3,8 @@
 use super::trial::{EffectTrial, of_chain};
 use super::{BaselineRun, EffectFinding, EffectState, LedgerEntry};
 use crate::chain::{
-    Gravity, LinearisedContacts, LossKind, MagnetForce, MagnetLaw, PlacedAt, PlacedMagnet,
+    Body, Contact, Gravity, LinearisedContacts, LossKind, MagnetForce, MagnetLaw, PlacedAt,
+    PlacedMagnet, PlasticModel, Plasticity, Support,
 };
 use crate::measurement::metadata::mass_without_sensor;
 use crate::quantity::engineering;
@@ -227,6 +228,72 @@ fn opening_ratio(subject: &BaselineRun<'_>) -> Option<f64> {
     Some(ratios.fold(0.0, f64::max)).filter(|ratio| ratio.is_finite())
 }
 
+/// A drive: the force of its contact at the signal's peak, if nothing else moved.
+pub fn drive(subject: &BaselineRun<'_>) -> LedgerEntry {
+    let criterion = "force of the drive's amplitude on its contact / smallest first peak";
+    let finding = match subject.scene.chain.drives().next() {
+        None => EffectFinding {
+            state: EffectState::Off,
+            value: None,
+            reason:
+                "no [drive] in the scene; it needs an end, a displacement or stack, and a signal"
+                    .to_owned(),
+            trial: None,
+        },
+        Some((contact, drive)) => {
+            let force = contact.force_change(drive.amplitude);
+            let other = subject.rebuilt(|scene| {
+                for support in &mut scene.spec.effects.supports {
+                    if support.drive().is_some() {
+                        *support = Support::Rigid;
+                    }
+                }
+            });
+            let (trial, failed) = against(subject, other, true);
+            let reason = format!("on by the scene's [drive]{failed}");
+            let value = Some(force / subject.wave);
+            EffectFinding { state: EffectState::On, value, reason, trial }
+        }
+    };
+    finding.entry("drive", criterion)
+}
+
+/// Rods and plates: `lambda = A^(2/5) m^(3/5) v^(1/5)/Z` of the outermost body at the fastest
+/// speed, of which about 1.7 is lost of the restitution.
+pub fn yielding_wall(subject: &BaselineRun<'_>) -> LedgerEntry {
+    let criterion = "A^(2/5) m^(3/5) v^(1/5) / impedance, of the outermost body";
+    let chain = &subject.scene.chain;
+    let fastest = subject.scene.initial_velocities.iter().fold(0.0_f64, |v, w| v.max(w.abs()));
+    let ends = [
+        (chain.contacts().first(), chain.bodies().first()),
+        (chain.contacts().last(), chain.bodies().last()),
+    ];
+    let ratio = |((contact, body), support): (_, &Support)| {
+        let (contact, body): (Option<&Contact>, Option<&Body>) = (contact, body);
+        let impedance = support.backing()?.impedance;
+        let (stiffness, mass) = (contact?.stiffness, body?.mass);
+        Some(stiffness.powf(0.4) * mass.powf(0.6) * fastest.powf(0.2) / impedance)
+    };
+    let value = ends.into_iter().zip(chain.supports()).filter_map(ratio).reduce(f64::max);
+    let finding = if value.is_none() {
+        let reason = "walls are rigid; a rod or plate in chain.top or chain.bottom gives way";
+        let (state, reason) = (EffectState::Off, reason.to_owned());
+        EffectFinding { state, value, reason, trial: None }
+    } else {
+        let other = subject.rebuilt(|scene| {
+            for support in &mut scene.spec.effects.supports {
+                if support.backing().is_some() {
+                    *support = Support::Rigid;
+                }
+            }
+        });
+        let (trial, failed) = against(subject, other, true);
+        let reason = format!("on by the scene: rods and plates give way{failed}");
+        EffectFinding { state: EffectState::On, value, reason, trial }
+    };
+    finding.entry("yielding_wall", criterion)
+}
+
 /// Yielding of the softer bodies.
 pub fn plasticity(subject: &BaselineRun<'_>) -> LedgerEntry {
     let films = subject.scene.chain.contacts().iter().zip(&subject.bench.film().contact_forces);
@@ -235,16 +302,27 @@ pub fn plasticity(subject: &BaselineRun<'_>) -> LedgerEntry {
         Some(forces.iter().copied().fold(0.0, f64::max) / limit)
     });
     let value = ratios.reduce(f64::max);
-    let reason = match value {
-        Some(value) if value > 1.0 => {
-            "not built: the law is elastic, though contacts exceed the yield load of their softer body; real amplitudes are lower"
+    let is_on = subject.scene.spec.effects.plasticity.is_some();
+    let criterion = "largest contact force / force of first yield";
+    if value.is_none() {
+        let reason = "no material that touches another has a yield_strength".to_owned();
+        return EffectFinding { state: state(is_on), value, reason, trial: None }
+            .entry("plasticity", criterion);
+    }
+    let other = subject.rebuilt(|scene| {
+        let thornton = Plasticity { model: PlasticModel::Thornton };
+        scene.spec.effects.plasticity = (!is_on).then_some(thornton);
+    });
+    let (trial, failed) = against(subject, other, is_on);
+    let words = match (is_on, value) {
+        (true, _) => "on by the scene",
+        (false, Some(value)) if value > 1.0 => {
+            "no table in the scene, though contacts exceed the force at which they yield"
         }
-        Some(_) => "not built, and nothing yields",
-        None => "not built; no material has a yield_strength",
+        _ => "no table in the scene, and nothing yields",
     };
-    let reason = reason.to_owned();
-    EffectFinding { state: EffectState::Off, value, reason, trial: None }
-        .entry("plasticity", "largest contact force / force of first yield")
+    let reason = format!("{words}; compared with thornton{failed}");
+    EffectFinding { state: state(is_on), value, reason, trial }.entry("plasticity", criterion)
 }
 
 /// Mass of plates in their hosts.

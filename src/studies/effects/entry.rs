@@ -37,8 +37,6 @@ pub enum EffectVerdict {
     NoValue,
     /// It could not be tried.
     NotTried,
-    /// The program does not have it.
-    NotBuilt,
 }
 
 impl EffectVerdict {
@@ -78,7 +76,6 @@ impl EffectVerdict {
             Self::NoEffect => "no effect",
             Self::NoValue => "no value",
             Self::NotTried => "not tried",
-            Self::NotBuilt => "not built",
         }
     }
 }

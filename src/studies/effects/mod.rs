@@ -32,6 +32,9 @@ const OF_RECORDS: [&str; 7] = [
     "quantisation",
 ];
 
+/// Effects that are listed where a scene has them.
+const OF_MOVING_WALLS: [&str; 2] = ["drive", "yielding_wall"];
+
 /// The ledger.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ledger {
@@ -54,7 +57,7 @@ pub fn ledger(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Ledger, RunError> {
     type Make = fn(&BaselineRun<'_>) -> LedgerEntry;
-    const ENTRIES: [Make; 18] = [
+    const ENTRIES: [Make; 20] = [
         chain::striker_speed_spread,
         chain::gravity,
         chain::magnet_preload,
@@ -63,6 +66,8 @@ pub fn ledger(
         chain::kuwabara_kono,
         chain::power_law_loss,
         chain::linearised_contacts,
+        chain::drive,
+        chain::yielding_wall,
         chain::plasticity,
         chain::host_mass,
         electronics::sensor_offset,
@@ -81,14 +86,13 @@ pub fn ledger(
         progress(done as f64 / ENTRIES.len() as f64);
         entries.push(make(&subject));
     }
+    // Walls that do not move are no effect that a scene might have forgotten.
+    entries.retain(|entry| entry.active || !OF_MOVING_WALLS.contains(&entry.effect));
     for entry in &mut entries {
         state_decision(scene, accuracy, entry);
         let change = entry.change.as_ref();
         let of_records = OF_RECORDS.contains(&entry.effect);
-        entry.verdict = match entry.effect {
-            "plasticity" => EffectVerdict::NotBuilt,
-            _ => EffectVerdict::of(entry.active, change, of_records, entry.value, accuracy),
-        };
+        entry.verdict = EffectVerdict::of(entry.active, change, of_records, entry.value, accuracy);
     }
     Ok(Ledger { scene: scene.name.clone(), accuracy, entries })
 }

@@ -26,7 +26,7 @@ const INSTANTS: u32 = 50;
 pub fn sphere(mass: f64, elasticity: Elasticity) -> Body {
     let (length, curvature) = (4.76e-3, 1.0 / 2.38e-3);
     let name = "sphere".into();
-    Body { name, mass, length, curvature, elasticity, yield_strength: None }
+    Body { name, mass, length, curvature, axis: None, elasticity, yield_strength: None }
 }
 
 /// Spheres of PTFE.

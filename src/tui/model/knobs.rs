@@ -2,7 +2,7 @@
 
 use super::live_state::TunedSettings;
 use super::screen_state::ScreenState;
-use crate::chain::{End, LossKind, LossSpec, MagnetForce, PlacedAt};
+use crate::chain::{Carrier, Drive, End, LossKind, LossSpec, MagnetForce, PlacedAt};
 use crate::experiment::outcome::effects;
 use crate::quantity::{Quantity, engineering};
 use crate::scene::{LOOSEST_ACCURACY, Scene, TIGHTEST_ACCURACY};
@@ -23,6 +23,8 @@ const FORCE: &str = "force";
 const MAGNET_FORCE: &str = "effects.magnet_preload.force";
 const MAGNET_DISTANCE: &str = "effects.magnet_preload.distance";
 const FORCE_ON_TOP: &str = "chain.top.force";
+const DRIVE_AMPLITUDE: &str = "drive.displacement";
+const DRIVE_FREQUENCY: &str = "drive.signal.sine";
 
 /// How a turn changes a knob.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,7 +66,7 @@ const fn knob(
 }
 
 fn loss(spec: Option<&LossSpec>) -> Option<f64> {
-    spec.map(|spec| spec.value)
+    spec.filter(|spec| spec.restitution.is_none()).map(|spec| spec.value)
 }
 
 /// Name and index of the sensor at the input of `source`.
@@ -103,6 +105,18 @@ fn magnet_distance(scene: &Scene) -> Option<f64> {
     magnet(scene).filter(|(key, _)| *key != FORCE).map(|(_, distance)| distance)
 }
 
+fn drive(scene: &Scene) -> Option<&Drive> {
+    scene.chain.drives().next().map(|(_, drive)| drive)
+}
+
+/// Frequency of a sine or a burst (Hz).
+fn drive_frequency(scene: &Scene) -> Option<f64> {
+    match drive(scene)?.signal.carrier {
+        Carrier::Sine { frequency } => Some(frequency),
+        _ => None,
+    }
+}
+
 impl BenchKnob {
     /// All knobs, in the order of the panel.
     pub const ALL: &'static [Self] = &[
@@ -128,6 +142,10 @@ impl BenchKnob {
             End::Wall(_) => Some(s.spec.wall_preload),
             End::Free => None,
         }),
+        knob("drive amplitude", DRIVE_AMPLITUDE, ("nm", 1e-9), None, |s, _| {
+            drive(s).map(|drive| drive.amplitude)
+        }),
+        knob("drive frequency", DRIVE_FREQUENCY, ("kHz", 1e3), None, |s, _| drive_frequency(s)),
         knob("gravity", "effects.gravity.acceleration", ("m/s^2", 1.0), Some("gravity"), |s, _| {
             s.spec.effects.gravity.as_ref().map(|gravity| gravity.acceleration)
         }),
@@ -185,6 +203,8 @@ impl BenchKnob {
         match self.path {
             MAGNET_FORCE => !is_placed,
             MAGNET_DISTANCE => is_placed,
+            DRIVE_AMPLITUDE => drive(scene).is_some(),
+            DRIVE_FREQUENCY => drive_frequency(scene).is_some(),
             _ => true,
         }
     }
@@ -198,6 +218,15 @@ impl BenchKnob {
             FORCE_ON_TOP if matches!(scene.spec.top, End::Wall(_)) => {
                 return Some("chain.top.preload".to_owned());
             }
+            DRIVE_AMPLITUDE | DRIVE_FREQUENCY if !self.is_shown(scene) => return None,
+            DRIVE_AMPLITUDE if drive(scene).is_some_and(|drive| drive.stiffness.is_some()) => {
+                return Some("drive.stack.stroke".to_owned());
+            }
+            DRIVE_FREQUENCY
+                if drive(scene).is_some_and(|drive| drive.signal.length.is_finite()) =>
+            {
+                return Some("drive.signal.burst".to_owned());
+            }
             _ => {}
         }
         let named = sensor_of(scene, source).map(|(_, name)| name);
@@ -208,7 +237,8 @@ impl BenchKnob {
     fn si_unit(&self) -> &'static str {
         match self.unit {
             "us" => "s",
-            "mm" => "m",
+            "mm" | "nm" => "m",
+            "kHz" => "Hz",
             "mV/N" => "V/N",
             other => other,
         }

@@ -12,7 +12,7 @@ fn the_ledger_is_for_people_and_for_scripts() {
     let folder = temporary();
     let page = printed(folder.path(), &["effects", "--accuracy", "1e-3", "--quiet"]);
     assert!(page.lines().all(|line| line.chars().count() <= 80), "{page}");
-    says(&page, &["gravity", "magnet_preload", "quantisation", "not built", "needed", "no value"]);
+    says(&page, &["gravity", "magnet_preload", "quantisation", "not tried", "needed", "no value"]);
     // One line an effect; numerics are none.
     assert!(
         page.lines().count() < 30 && !page.contains("kink") && !page.contains("quiet"),

@@ -19,7 +19,9 @@ fn wrong_addresses_say_what_to_type() {
         ("magnet-0.61g", "names no host with a port"),
         ("serial:/dev/nowhere", "No such file or directory"),
         ("serial:/dev/null", "cannot be opened"),
-        ("TCPIP::127.0.0.1::INSTR", "neither VXI-11 nor HiSLIP"),
+        ("/dev/usbtmc_nowhere", "no such device file"),
+        ("USB0::0xFFFF::0x0001::INSTR", "no such instrument on USB"),
+        ("USB0::tek::INSTR", "names no maker and model: type e.g. /dev/usbtmc0"),
     ] {
         let told = refused(&["acquire", address, "-o", file]);
         assert!(told.contains(words), "{told}");

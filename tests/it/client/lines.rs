@@ -92,6 +92,22 @@ impl Terminal {
 /// `pulls`, and put back. What the scope sends meanwhile comes when the line is back, as with hard
 /// flagging.
 pub fn serial_port(server: SocketAddr, folder: &Path, time: ByteTime, pulls: Vec<Pull>) -> PathBuf {
+    terminal(server, folder, time, pulls, false)
+}
+
+/// The same as the kernel's device file of an instrument on USB: what the scope had to send is gone
+/// when it is plugged in again.
+pub fn usb_device(server: SocketAddr, folder: &Path, pulls: Vec<Pull>) -> PathBuf {
+    terminal(server, folder, ByteTime(0), pulls, true)
+}
+
+fn terminal(
+    server: SocketAddr,
+    folder: &Path,
+    time: ByteTime,
+    pulls: Vec<Pull>,
+    forgets: bool,
+) -> PathBuf {
     let port = folder.join("ttyLAB");
     let mut scope = TcpStream::connect(server).expect("a scope");
     let mut pulls = pulls.into_iter();
@@ -122,6 +138,11 @@ pub fn serial_port(server: SocketAddr, folder: &Path, time: ByteTime, pulls: Vec
                         // The old one is gone before the new one is there.
                         let _ = std::fs::remove_file(&name);
                         terminal = Terminal::at(&name);
+                        if forgets {
+                            let Ok(again) = TcpStream::connect(server) else { return };
+                            scope = again;
+                            break;
+                        }
                     }
                 }
                 thread::sleep(Duration::from_nanos(u64::from(time.0)) * count as u32);

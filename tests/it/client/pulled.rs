@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use hertzscope::client::{AcquisitionEvent, Address, ClientTiming, LineEvent};
 
-use super::lines::{ByteTime, Failure, Pull, serial_port, socket};
+use super::lines::{ByteTime, Failure, Pull, serial_port, socket, usb_device};
 use super::{TIMING, assert_recorded, shots, struck};
 
 /// From the first byte of the first curve to the last of the fourth; behind 2500 bytes only the end
@@ -64,6 +64,19 @@ fn a_serial_line_that_is_pulled_out_ten_times_in_mid_curve() {
     let server = struck(&own);
     let device = serial_port(server.address, folder.path(), ByteTime::at(19200), PULLS.to_vec());
     let (taken, events) = shots(&Address::Serial { device, baud: 19200 }, TIMING, 3);
+    drop(server);
+    assert_recorded(&taken, &own);
+    assert!(failures(&events) >= 10, "{events:?}");
+}
+
+/// Nothing half-read is kept.
+#[test]
+fn a_usb_cable_that_is_pulled_out_ten_times_in_mid_curve() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let own = folder.path().join("own.mcap");
+    let server = struck(&own);
+    let device = usb_device(server.address, folder.path(), PULLS.to_vec());
+    let (taken, events) = shots(&Address::UsbFile(device), TIMING, 3);
     drop(server);
     assert_recorded(&taken, &own);
     assert!(failures(&events) >= 10, "{events:?}");

@@ -1,6 +1,8 @@
 //! Two free bodies that meet.
 
-use hertzscope::chain::{Chain, ChainSpec, EffectsSpec, End, EndOfContact, LossKind, LossSpec};
+use hertzscope::chain::{
+    Chain, ChainSpec, EffectsSpec, End, EndOfContact, LossKind, LossSpec, Restitution,
+};
 use hertzscope::motion::Method;
 
 use crate::chains::{NEVER, STEEL, body, kicked};
@@ -85,4 +87,27 @@ fn dashpots_take_what_they_must() {
     let closing = (velocity[0] - velocity[1]) / SPEED;
     // The elastic force is below a thousandth of the dashpot's by then.
     assert!((closing - (-1.0_f64).exp()).abs() < 1e-3, "{closing}");
+}
+
+/// A restitution in place of a coefficient: two bodies that meet at the stated speed come apart so,
+/// whatever the loss and the end of the contact.
+#[test]
+fn a_restitution_that_is_asked_for_comes_out() {
+    for kind in LossKind::ALL {
+        for end in [EndOfContact::ZeroOverlap, EndOfContact::ZeroForce] {
+            for value in [0.95, 0.6, 0.3] {
+                let exponent = if kind == LossKind::PowerLaw { 1.5 } else { 1.0 };
+                let restitution = Some(Restitution { value, speed: SPEED });
+                let loss = LossSpec { restitution, exponent, ..LossSpec::everywhere(0.0, end) };
+                let chain = chain(EffectsSpec::default().with_loss(kind, loss));
+                let found = restitution_of(&chain);
+                println!("{kind:?}, {}: {found:.8}, expected {value}", end.name());
+                assert!((found - value).abs() < 1e-6, "{kind:?} {}: {found}", end.name());
+            }
+        }
+    }
+}
+
+fn restitution_of(chain: &Chain) -> f64 {
+    restitution(chain, Method::DormandPrince853 { tolerance: 1e-11 })
 }

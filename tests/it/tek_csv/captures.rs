@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use hertzscope::recording::tek_csv::{Dialect, read, write};
+use hertzscope::recording::tek_csv::{read, write};
 
 /// Files that instruments of the family saved themselves.
-const NATIVE_CAPTURES: [&str; 12] = [
+pub(crate) const NATIVE_CAPTURES: [&str; 12] = [
     "fft-tds1012c-edu-F0022MTH.CSV",
     "tbs1022-v26.02-F0000CH1.CSV",
     "tbs1062-v26.01-CH1.CSV",
@@ -20,15 +20,6 @@ const NATIVE_CAPTURES: [&str; 12] = [
     "tds2024c-v24.09-F0001CH1.CSV",
 ];
 
-/// Files of every other dialect.
-const FOREIGN_CAPTURES: [(&str, Dialect); 5] = [
-    ("headless-TEK0001.CSV", Dialect::Headerless),
-    ("openchoice-rod-piezo-2.csv", Dialect::OpenChoice),
-    ("openchoice-rod-piezo-3.csv", Dialect::OpenChoice),
-    ("spreadsheet-tds2001c-F0000CH1.CSV", Dialect::Spreadsheet),
-    ("tbs1052c-TEK00000.CSV", Dialect::NewerModel),
-];
-
 #[test]
 #[ignore = "needs HERTZSCOPE_CAPTURES"]
 fn native_captures_come_back_byte_for_byte() {
@@ -38,18 +29,13 @@ fn native_captures_come_back_byte_for_byte() {
         let bytes =
             std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
         let capture = read(&bytes, name).expect("a native file");
+        // The file of a scan tells another trigger point than its times.
+        assert!(capture.notes.iter().all(|note| note.starts_with("the file calls")), "{name}");
         let text = write(&capture).expect("what was read can be written");
         let stored = String::from_utf8(bytes).expect("text");
         for (number, (found, expected)) in text.lines().zip(stored.lines()).enumerate() {
             assert_eq!(found, expected, "{name}, row {}", number + 1);
         }
         assert_eq!(text, stored, "{name}");
-    }
-    for (name, wanted) in FOREIGN_CAPTURES {
-        let path = Path::new(&folder).join(name);
-        let bytes =
-            std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-        let error = read(&bytes, name).expect_err(name).to_string();
-        assert!(error.contains(&format!("looks like {wanted};")), "{error}");
     }
 }

@@ -286,7 +286,7 @@ fn refusals_tell_line_and_reason() {
         (with(100, ",,,-0.0024"), "F.CSV, line 100, column 11: found ``, expected a number"),
         (
             with(100, ",,,-0.0025,0.1"),
-            "F.CSV, line 100, column 4: found -0.0025 s, expected -2.404000e-3 s by even spacing",
+            "F.CSV, line 100, column 4: found -0.002500 s, expected -0.002404 s by even spacing",
         ),
         (
             with_semicolons(&with(100, ",,,-0.002404,0.1")).replace("-0,002404", "-0.002404"),
@@ -302,8 +302,8 @@ fn refusals_tell_line_and_reason() {
         ),
         (
             "Model,TBS1102C\nRecord Length,2000\n".to_owned(),
-            "F.CSV: this is nearest to a Tektronix header beside samples (TDS1000/2000, OpenChoice), but lacks a column of times \
-             beside the values; say what its columns are, e.g. --columns time=1:ms,CH1=2:V,p14=4:N",
+            "F.CSV: this is nearest to a Tektronix header beside samples (TDS1000/2000, OpenChoice), but lacks a column of times, \
+             and a sample interval; say which column holds them, e.g. --columns time=1:ms,CH1=2:V,p14=4:N, or how far apart the values are, e.g. --interval \"1 us\"",
         ),
         (
             "Model,TBS1102C\nTIME,CH1\n0,1\n1,one\n".to_owned(),
@@ -317,7 +317,7 @@ fn refusals_tell_line_and_reason() {
         ("0,1\n".to_owned(), "F.CSV: found 1 rows, expected 2 to 2000000 with samples"),
         (
             "1,1\n0,1\n".to_owned(),
-            "F.CSV, line 2, column 1: found 0 s, expected more than 1e0 s by even spacing",
+            "F.CSV, line 2, column 1: found 0 s, expected more than 1 s by even spacing",
         ),
     ] {
         let error = read_all(text.as_bytes(), "F.CSV").expect_err(wanted);

@@ -321,8 +321,8 @@ fn units_of_names_are_never_taken_for_volts_or_seconds() {
     let found = read_text(&format!("{keys}{body}"));
     is(&found[0], Source::Channel(1), (-2e-9, 1e-9), &PULSE.map(|v| v * 1e-3));
     assert!(
-        refusal(&keys.replace("mV", "bar").replace("TIME,CH1\n", &format!("TIME,CH1\n{body}")))
-            .contains("`bar`")
+        refusal(&keys.replace("mV", "torr").replace("TIME,CH1\n", &format!("TIME,CH1\n{body}")))
+            .contains("`torr`")
     );
     // Remarks between the names and the samples.
     let found = read_text(&format!("Time (ms),CH1 (mV)\nhammer,run 3\n{body}"));
@@ -331,7 +331,7 @@ fn units_of_names_are_never_taken_for_volts_or_seconds() {
     let found = read_text(&format!("Time,Force\n(ms),(N)\n{body}"));
     assert_eq!(found[0].waveform.preamble.y_unit, "N");
     for (names, what) in [
-        ("Time (s),p (bar)", "`bar`"),
+        ("Time (s),p (torr)", "`torr`"),
         ("Time (fortnight),CH1 (V)", "`fortnight`"),
         ("Time (s),Force", "is no voltage"),
         ("t,F", "is no voltage"),
@@ -408,12 +408,12 @@ fn what_fits_nothing_names_the_nearest_form() {
     }
 }
 
-/// `PicoScope` writes values beyond its range as infinite.
+/// Values beyond the range, which `PicoScope` writes as infinite, are in `impact_labs`.
 #[test]
 fn a_cell_without_a_number_is_named() {
-    let body = "-5.0,1.2\n-4.9,\u{221e}\n-4.8,1.3\n-4.7,1.1\n";
+    let body = "-5.0,1.2\n-4.9,???\n-4.8,1.3\n-4.7,1.1\n";
     let error = refusal(&format!("Time,Channel A\n(ms),(mV)\n\n{body}"));
-    assert!(error.contains("line 5, column 6") && error.contains('\u{221e}'), "{error}");
+    assert!(error.contains("line 5, column 6") && error.contains("`???`"), "{error}");
 }
 
 #[test]
@@ -428,12 +428,12 @@ fn columns_that_the_user_names() {
     assert_eq!(found[1].waveform.preamble.y_unit, "N");
     assert!(found[1].notes.iter().any(|note| note == "column 4 is p14"), "{:?}", found[1].notes);
     for (text, word) in [
-        ("CH1=2", "0 columns of times"),
+        ("time=1,t=2,CH1=3", "2 columns of times"),
         ("time=1", "1 in all"),
         ("time=1,CH1", "no `=`"),
         ("time=0,CH1=2", "counted from 1"),
         ("time=1:V,CH1=2", "no unit of `time`"),
-        ("time=1,CH1=2:bar", "`bar`"),
+        ("time=1,CH1=2:torr", "`torr`"),
     ] {
         let error = text.parse::<TableColumns>().expect_err(text);
         assert!(error.contains(word) && error.contains("time=1:ms"), "{error}");
@@ -441,6 +441,14 @@ fn columns_that_the_user_names() {
     let error = read_columns(text.as_bytes(), "t.csv", &"time=2:us,CH1=9".parse().unwrap())
         .expect_err("no column 9");
     assert!(error.to_string().contains("a column 9"), "{error}");
+    // Without a column of times, the interval must be said.
+    let columns: TableColumns = "CH2=3:mV".parse().expect("columns");
+    let error = read_columns(text.as_bytes(), "t.csv", &columns).expect_err("no times");
+    assert!(error.to_string().contains("--interval"), "{error}");
+    let mut spaced = columns;
+    spaced.interval = Some(1e-6);
+    let found = read_columns(text.as_bytes(), "t.csv", &spaced).expect("values");
+    is(&found[0], Source::Channel(2), (0.0, 1e-6), &PULSE);
 }
 
 /// The firmware rounds 4882.8125 Hz half up, where C rounds it half to even; some models spell
