@@ -102,6 +102,27 @@ pub(super) fn intervals(
     all.iter().filter_map(interval).collect()
 }
 
+/// `prediction` with nothing but its speeds, over the distances that `nominal` has.
+pub(super) fn over_nominal_distances(prediction: &Prediction, nominal: &Prediction) -> Prediction {
+    let over_nominal = |speed: &Speed| {
+        let is_same = |other: &&Speed| {
+            let key = |s: &Speed| (s.from, s.to, s.estimator);
+            key(other) == key(speed)
+                && (&other.from_sensor, &other.to_sensor) == (&speed.from_sensor, &speed.to_sensor)
+        };
+        let distance_m = nominal.speeds.iter().find(is_same)?.distance_m;
+        let m_per_s = speed.m_per_s * distance_m / speed.distance_m;
+        Some(Speed { distance_m, m_per_s, ..speed.clone() })
+    };
+    Prediction {
+        readings: Vec::new(),
+        wall: None,
+        speeds: prediction.speeds.iter().filter_map(over_nominal).collect(),
+        heights: Vec::new(),
+        traces: Vec::new(),
+    }
+}
+
 /// Values of an output for `many` scores: regression, its curvature along itself, and what both
 /// leave of the samples (unit).
 fn many_values(found: &Regression, samples: &[(&[f64], f64)], many: &[Vec<f64>]) -> Vec<f64> {

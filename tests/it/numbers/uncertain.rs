@@ -403,3 +403,21 @@ fn comparisons_go_by_what_both_sides_know() {
     let by = first["by_u"].as_f64().expect("a number");
     assert!((2.0..5.0).contains(&by), "{peak}");
 }
+
+/// Numbers in JSON are in SI units, and so are the units beside them: a striker of 0.61 g is
+/// 0.00061 kg.
+#[test]
+fn units_in_json_are_those_of_the_numbers() {
+    let mut command = assert_cmd::Command::cargo_bin("hertzscope").expect("the program");
+    let arguments = ["budget", "magnet-0.61g", "--samples", "40", "--json", "-q"];
+    let printed = command.args(arguments).assert().success();
+    let found: serde_json::Value =
+        serde_json::from_slice(&printed.get_output().stdout).expect("JSON");
+    let inputs = found["inputs"].as_array().expect("inputs");
+    let of = |name: &str| {
+        let input = inputs.iter().find(|input| input["name"] == name).expect(name);
+        (input["value"].as_f64().expect("a number"), input["unit"].as_str().expect("a unit"))
+    };
+    assert_eq!(of("striker.mass"), (0.61e-3, "kg"));
+    assert_eq!(of("striker.speed"), (0.44, "m/s"));
+}
