@@ -15,9 +15,7 @@ use crate::quantity::Uncertain;
 use crate::scope::Source;
 use crate::trace::Trace;
 use crate::tui::job::{Job, JobState, Queue, guarded};
-use crate::tui::model::comparison::{
-    LoadedSide, ShownSide, compared, predicted, predicted_bench,
-};
+use crate::tui::model::comparison::{LoadedSide, ShownSide, compared, predicted, predicted_bench};
 use crate::tui::model::{Action, Overlay, Page, PageSpec, ScreenState};
 use crate::tui::view::colours::{colour, colour_of};
 use crate::tui::view::diagram::{Diagram, DiagramAxis};
