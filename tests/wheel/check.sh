@@ -16,6 +16,7 @@ folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT
 (cd "$here/../.." && "$environment/bin/maturin" build --profile wheel --locked --quiet --out "$folder")
 python3 -m venv "$folder/venv"
+install_python "$here/../python/.venv" "$here/../python/requirements.txt"
 "$folder/venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-index --no-deps "$folder"/hertzscope-*.whl
 echo "installed $(basename "$folder"/hertzscope-*.whl)"
 # What is compiled in travels under its own licences.
@@ -24,11 +25,15 @@ mkdir -p "$folder/tests/recipes"
 cp "$here/../recipes/hundred-thousand.toml" "$folder/tests/recipes"
 # Only what is in the environment, and nothing of the source tree.
 cd "$folder"
+# NumPy and what else the package takes where it is there.
+echo "$(echo "$here"/../python/.venv/lib/python3.*/site-packages)" > "$(echo "$folder"/venv/lib/python3.*/site-packages)/others.pth"
 export PATH="$folder/venv/bin:/usr/bin:/bin"
 [[ "$(command -v hertzscope)" = "$folder/venv/bin/hertzscope" ]] || could_not "the program is not on the path"
 hertzscope doctor
 hertzscope run --quiet
 [[ -s magnet-0.61g.mcap ]] || { echo "check.sh: no recording" >&2; exit 1; }
+
+MPLBACKEND=Agg "$folder/venv/bin/python" "$here/../python/check.py" "$folder/venv/bin/hertzscope"
 
 # pytest finds the fixtures by the package's entry point, and these the program on the path.
 install_python "$here/../clients/.venv" "$here/../clients/requirements.txt"

@@ -282,7 +282,7 @@ fn tables_that_do_not_tell_take_columns() {
     printed(path, &[&["convert", "-q", "odd.csv", "odd.mcap"][..], &columns].concat());
     says(
         &refused(path, &["info", "odd.csv", "--columns", "CH1=2"]),
-        &["--columns", "0 columns of times"],
+        &["lacks a column of times", "--columns time=1:ms", "--interval"],
     );
 }
 
