@@ -2,11 +2,12 @@
 
     check.py HERTZSCOPE
 
-HERTZSCOPE is the program. The examples of docs/python.md are lines of this script.
+HERTZSCOPE is the program. The examples of docs/python.md are executed as they stand there.
 """
 
 import json
 import os
+import re
 import resource
 import signal
 import subprocess
@@ -30,87 +31,38 @@ def program(*words):
     return json.loads(printed.stdout)
 
 
-def first_trace():
-    recording = hertzscope.run("magnet-0.61g", {"striker.speed": "0.5 m/s"})
-    shot = recording[0]
-    volts = shot.captures["CH2"].values  # NumPy, shape (2500,), in shot.captures["CH2"].unit
-    force = shot.truth["sensor/p14"]  # what no sensor saw: force.times, force.values, force.unit
-    print(f"{volts.max():.3f} V, {force.values.max():.3f} {force.unit}")
-    print(recording.summary.sensors[0]["first_peak"])
-    recording.save("faster.mcap")  # for the program, and for any reader of MCAP
-
-    again = hertzscope.open("faster.mcap")
-    assert np.array_equal(again[0].captures["CH2"].codes, shot.captures["CH2"].codes)
-    frame = shot.to_pandas()  # a column for each channel over time; frame.attrs["units"]
-    dataset = shot.to_xarray()  # a variable for each channel, with attrs["units"]
-    shot.plot()  # with matplotlib
-
+def page():
+    """The blocks of docs/python.md, in order, as they stand there, and what they leave."""
+    text = (Path(__file__).resolve().parents[2] / "docs" / "python.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"^```python tests/python/check.py\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+    names = {}
+    for block in blocks:
+        exec(block, names)
+    shot, frame, dataset = names["shot"], names["frame"], names["dataset"]
     assert list(frame.columns) == list(dataset.data_vars) == list(shot.captures)
     assert frame.attrs["units"]["CH2"] == dataset["CH2"].attrs["units"] == "V"
     assert dataset["time"].attrs["units"] == "s"
-
-
-def own_chain():
-    scene = """
-    base = "magnet-0.61g"
-    [striker]
-    speed = "0.48 m/s"
-    """
-    measured = hertzscope.run(scene, seed=7)  # stands for hertzscope.open("measured.csv")
-    told = hertzscope.compare(measured, "magnet-0.61g", tolerance="peak=5%")
-    print(told.is_yes, [channel["name"] for channel in told["channels"]])
-    found = hertzscope.fit(measured, "magnet-0.61g", free=["striker.speed"])
-    speed = found["parameters"][0]
-    print(f"{speed['value']:.6f} ± {speed['u']:.6f} m/s")
-
+    speed = names["speed"]
     assert abs(speed["value"] - 0.48) < 5 * speed["u"], speed
-
-
-def calibration():
-    hertzscope.calibrate(simulate="pzt-5a-710pf", output="test")
-    certificate = hertzscope.calibrate("test/plan.toml")
-    print(certificate.is_yes, list(certificate))
-
-    assert certificate == program("calibrate", "test/plan.toml", "--quiet")
-
-
-def sweep_in_pandas():
-    table = hertzscope.sweep("""
-    scene = "magnet-0.61g"
-    accuracy = 1e-4
-    [grid]
-    striker.speed = ["0.3 m/s", "0.4 m/s", "0.5 m/s", "0.6 m/s"]
-    """)
-    print(table.iloc[:, :4])
-
-    assert len(table) == 4, table
-
-
-def recording_of_arrays():
-    times = np.arange(5000) * 1e-6
-    pulse = np.exp(-((times - 2e-3) / 50e-6) ** 2)
-    made = hertzscope.recording({"CH1": pulse, "CH2": 0.5 * pulse}, 1e-6, start=-1e-3)
-    made.save("arrays.mcap")
-    print(made[0].captures["CH1"].values.max(), made[0].captures["CH1"].unit)
-
-    kept = made[0].captures["CH1"]
+    assert names["certificate"] == program("calibrate", "test/plan.toml", "--quiet")
+    assert len(names["table"]) == 4, names["table"]
+    kept, pulse = names["made"][0].captures["CH1"], names["pulse"]
     assert len(kept.values) == 5000 and abs(kept.start + 1e-3) < 1e-12 and abs(kept.interval - 1e-6) < 1e-15
     assert np.abs(kept.values - pulse).max() <= 1 / 64000 * (1 + 1e-9), np.abs(kept.values - pulse).max()
 
 
 def errors():
-    try:
-        hertzscope.run("magnet-0.61g", {"striker.sped": "0.5 m/s"})
-    except hertzscope.HertzscopeError as error:
-        print(error)
-    else:
-        raise AssertionError("a misspelt path is taken")
-    try:
-        hertzscope.fit("nothing.csv", "magnet-0.61g", free=["striker.speed"])
-    except hertzscope.HertzscopeError as error:
-        assert "nothing.csv" in str(error), error
-    else:
-        raise AssertionError("a file that is not there is taken")
+    """A misspelt path and a missing file are refused by name."""
+    for given, name in [
+        (lambda: hertzscope.run("magnet-0.61g", {"striker.sped": "0.5 m/s"}), "did you mean `speed`"),
+        (lambda: hertzscope.fit("nothing.csv", "magnet-0.61g", free=["striker.speed"]), "nothing.csv"),
+    ]:
+        try:
+            given()
+        except hertzscope.HertzscopeError as error:
+            assert name in str(error), error
+        else:
+            raise AssertionError(f"taken: {name}")
 
 
 def every_scene():
@@ -134,13 +86,7 @@ def every_scene():
 
 
 def time_and_memory():
-    """Of a run beside the solver's own time; what ten thousand keep; two threads beside each other."""
-    spent = []
-    for _ in range(21):
-        started = time.perf_counter()
-        made = hertzscope.run("magnet-0.61g")
-        spent.append(time.perf_counter() - started - made.summary["wall_s"])
-    print(f"a run takes {sorted(spent)[10] * 1e3:.2f} ms more than the solver")
+    """What a thousand runs keep; two threads beside each other."""
     runs = int(os.environ.get("HERTZSCOPE_RUNS", "1000"))
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     for _ in range(runs):
@@ -176,6 +122,6 @@ def ctrl_c():
 
 
 if __name__ == "__main__":
-    for part in (first_trace, own_chain, calibration, sweep_in_pandas, recording_of_arrays, errors, every_scene, ctrl_c, time_and_memory):
+    for part in (page, errors, every_scene, ctrl_c, time_and_memory):
         part()
     print("the Python package and the program agree")
