@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _hertzscope
-from ._hertzscope import HertzscopeError
+from ._hertzscope import HertzscopeError as HertzscopeError
 
 if TYPE_CHECKING:
     import pandas
@@ -50,7 +50,7 @@ class Trace:
     @property
     def times(self) -> Floats:
         """Abscissae in `x_unit`, shape (samples,): captures count from the trigger, truth from the striker's first contact."""
-        return self.start + self.interval * np.arange(len(self.values))
+        return self.start + self.interval * np.arange(len(self.values), dtype=np.float64)
 
     def to_pandas(self) -> pandas.Series[float]:
         """A series over its times; `attrs` has the units."""
