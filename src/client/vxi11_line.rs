@@ -124,20 +124,16 @@ impl Vxi11Line {
                 number: 0,
             })
         };
-        let port = match port {
-            Some(port) => port,
-            None => {
-                let mut mapper = connect_to(port_mapper::PORT, (MAPPER, MAPPER_VERSION))?;
-                let asked = words(&[CORE_PROGRAM, VERSION, TCP, 0]);
-                let found = mapper.call(GET_PORT, &asked, timeout)?;
-                let port = XdrReader(&found).word().and_then(|port| u16::try_from(port).ok());
-                port.filter(|port| *port > 0).ok_or_else(|| {
-                    io::Error::new(
-                        ErrorKind::NotFound,
-                        "its port mapper knows no VXI-11 instrument",
-                    )
-                })?
-            }
+        let port = if let Some(port) = port {
+            port
+        } else {
+            let mut mapper = connect_to(port_mapper::PORT, (MAPPER, MAPPER_VERSION))?;
+            let asked = words(&[CORE_PROGRAM, VERSION, TCP, 0]);
+            let found = mapper.call(GET_PORT, &asked, timeout)?;
+            let port = XdrReader(&found).word().and_then(|port| u16::try_from(port).ok());
+            port.filter(|port| *port > 0).ok_or_else(|| {
+                io::Error::new(ErrorKind::NotFound, "its port mapper knows no VXI-11 instrument")
+            })?
         };
         let mut calls = connect_to(port, (CORE_PROGRAM, VERSION))?;
         // A client's number, no lock, no time for one.

@@ -16,7 +16,7 @@ use crate::scope::Source;
 pub struct FileFormat {
     /// Ending of the files that are written, in small letters.
     pub ending: &'static str,
-    /// Endings of measurements alone: LabVIEW's.
+    /// Endings of measurements alone: those of `LabVIEW`.
     measurement_endings: &'static [&'static str],
     /// Endings under which programs save it as well; in folders, such files are often notes.
     other_endings: &'static [&'static str],

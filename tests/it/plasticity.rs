@@ -1,6 +1,8 @@
 //! Contacts that yield: collisions against the closed form, energies, chains below yield, and
 //! random chains against a solver that shares nothing with the program.
 
+use std::fmt::Write as _;
+
 use std::f64::consts::PI;
 
 use hertzscope::chain::{
@@ -188,7 +190,7 @@ impl Drawn {
                 2.0 * radius,
                 mass(*radius)
             );
-            text += &if i == 0 {
+            let body = if i == 0 {
                 format!(
                     "striker = {{ material = \"m\", {shape}, speed = \"{:.17e} m/s\" }}\n",
                     self.speed
@@ -196,9 +198,11 @@ impl Drawn {
             } else {
                 format!("particles.p{i} = {{ material = \"m\", {shape} }}\n")
             };
+            text.push_str(&body);
         }
-        text += &format!(
-            "accuracy = {accuracy:e}\nchain = {{ top = \"free\", bottom = {{ wall = \"m\" }}, segments = [{{ particles = [{}] }}] }}\nsensors.s = {{ model = \"pzt-5a-710pf\", particle = {} }}\n[scope]\nmodel = \"tds2014\"\ntime_base = \"25 us/div\"\nposition = \"100 us\"\ntrigger = {{ source = \"CH1\", level = \"1 V\" }}\nch1 = {{ input = \"s\", scale = \"1 V/div\" }}\n",
+        let _ = writeln!(
+            text,
+            "accuracy = {accuracy:e}\nchain = {{ top = \"free\", bottom = {{ wall = \"m\" }}, segments = [{{ particles = [{}] }}] }}\nsensors.s = {{ model = \"pzt-5a-710pf\", particle = {} }}\n[scope]\nmodel = \"tds2014\"\ntime_base = \"25 us/div\"\nposition = \"100 us\"\ntrigger = {{ source = \"CH1\", level = \"1 V\" }}\nch1 = {{ input = \"s\", scale = \"1 V/div\" }}",
             names.join(", "),
             self.radii.len() - 1
         );
@@ -207,6 +211,10 @@ impl Drawn {
 
     /// First peak of the force in the last particle (N) by steps of `h` (s): classical Runge-Kutta,
     /// the largest overlap taken at the ends of steps.
+    #[allow(
+        clippy::too_many_lines,
+        reason = "a plain solver in one piece, read from top to bottom"
+    )]
     fn first_peak(&self, h: f64) -> Option<f64> {
         let n = self.radii.len();
         let (modulus, ratio, _) = MATERIAL;

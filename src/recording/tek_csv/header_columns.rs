@@ -117,26 +117,11 @@ impl<'a> Block<'a, '_> {
             draft.notes.push("the instrument's model is not given in the file".to_owned());
         }
         self.note_rows(&mut draft)?;
-        self.note_time_base(&mut draft);
+        note_time_base(&mut draft);
         if self.table.decimal_comma {
             draft.notes.push("numbers have a decimal comma".to_owned());
         }
         Ok(draft)
-    }
-
-    /// Notes a time base that is not that of the sample interval.
-    fn note_time_base(&self, draft: &mut UnscaledImport) {
-        const POINTS_PER_DIVISION: f64 = 250.0;
-        let is_time = draft.x_unit.as_deref() != Some("Hz");
-        let both = draft.stated.interval.zip(draft.horizontal_scale).filter(|_| is_time);
-        if let Some((interval, scale)) = both
-            && (scale / (POINTS_PER_DIVISION * interval) - 1.0).abs() > 1e-3
-        {
-            draft.notes.push(format!(
-                "the header's time base, {scale:e} s/div, is not 250 sample intervals, {:e} s/div",
-                POINTS_PER_DIVISION * interval
-            ));
-        }
     }
 
     fn note_rows(&self, draft: &mut UnscaledImport) -> Result<(), RecordingError> {
@@ -348,4 +333,19 @@ fn note(draft: &mut UnscaledImport, block: &Block<'_, '_>) {
     }
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
     draft.notes.push(format!("OpenChoice says: {text}"));
+}
+
+/// Notes a time base that is not that of the sample interval.
+fn note_time_base(draft: &mut UnscaledImport) {
+    const POINTS_PER_DIVISION: f64 = 250.0;
+    let is_time = draft.x_unit.as_deref() != Some("Hz");
+    let both = draft.stated.interval.zip(draft.horizontal_scale).filter(|_| is_time);
+    if let Some((interval, scale)) = both
+        && (scale / (POINTS_PER_DIVISION * interval) - 1.0).abs() > 1e-3
+    {
+        draft.notes.push(format!(
+            "the header's time base, {scale:e} s/div, is not 250 sample intervals, {:e} s/div",
+            POINTS_PER_DIVISION * interval
+        ));
+    }
 }

@@ -386,57 +386,61 @@ fn is_frequency(base: &str) -> bool {
     matches!(without_number(&lowered(base)), "frequency" | "freq" | "frequenz" | "fréquence")
 }
 
+/// Names of columns of row numbers.
+const INDEX: [&str; 14] = [
+    "index", "idx", "#", "no", "no.", "nr", "nr.", "n", "i", "sample", "point", "row", "record",
+    "sequence",
+];
+/// Words in names of columns beside the values of a channel.
+const EXTRA: [&str; 12] = [
+    "peak detect",
+    "label",
+    "std",
+    "stdev",
+    "sigma",
+    "error",
+    "uncertainty",
+    "digital",
+    "bus",
+    "comment",
+    "note",
+    "raw",
+];
+/// Names of quantities that are values of no channel.
+const OTHER: [&str; 30] = [
+    "f",
+    "strain",
+    "dehnung",
+    "epsilon",
+    "stress",
+    "humidity",
+    "depth",
+    "angle",
+    "force",
+    "kraft",
+    "temperature",
+    "temp",
+    "pressure",
+    "druck",
+    "current",
+    "strom",
+    "acceleration",
+    "accel",
+    "charge",
+    "ladung",
+    "displacement",
+    "position",
+    "distance",
+    "weg",
+    "velocity",
+    "speed",
+    "phase",
+    "power",
+    "mass",
+    "frequenz",
+];
+
 fn role(base: &str) -> ColumnRole {
-    const INDEX: [&str; 14] = [
-        "index", "idx", "#", "no", "no.", "nr", "nr.", "n", "i", "sample", "point", "row",
-        "record", "sequence",
-    ];
-    const EXTRA: [&str; 12] = [
-        "peak detect",
-        "label",
-        "std",
-        "stdev",
-        "sigma",
-        "error",
-        "uncertainty",
-        "digital",
-        "bus",
-        "comment",
-        "note",
-        "raw",
-    ];
-    const OTHER: [&str; 30] = [
-        "f",
-        "strain",
-        "dehnung",
-        "epsilon",
-        "stress",
-        "humidity",
-        "depth",
-        "angle",
-        "force",
-        "kraft",
-        "temperature",
-        "temp",
-        "pressure",
-        "druck",
-        "current",
-        "strom",
-        "acceleration",
-        "accel",
-        "charge",
-        "ladung",
-        "displacement",
-        "position",
-        "distance",
-        "weg",
-        "velocity",
-        "speed",
-        "phase",
-        "power",
-        "mass",
-        "frequenz",
-    ];
     let base = lowered(base);
     let has = |words: &[&str]| words.iter().any(|word| base.contains(word));
     // A spreadsheet's or a program's own names of columns.

@@ -167,16 +167,13 @@ impl UnscaledImport {
         let exact = |found: f64, stated: Option<f64>, tolerance: f64| {
             stated.filter(|stated| (found - stated).abs() <= tolerance).unwrap_or(found)
         };
-        let (y_off, y_zero) = match unit {
-            "dB" => {
-                let found = grid.origin - shift as f64 * grid.step;
-                (0.0, exact(found, self.zero, 2.0 * self.values.tolerance(grid.origin)))
-            }
-            _ => {
-                let stated = self.zero.filter(|_| grid.evidence == LevelSource::Scale);
-                let levels = stated.map(|zero| whole_levels(zero / grid.step));
-                (exact(shift as f64 - zero_index, levels, ZERO_LEVEL_TOLERANCE), 0.0)
-            }
+        let (y_off, y_zero) = if unit == "dB" {
+            let found = grid.origin - shift as f64 * grid.step;
+            (0.0, exact(found, self.zero, 2.0 * self.values.tolerance(grid.origin)))
+        } else {
+            let stated = self.zero.filter(|_| grid.evidence == LevelSource::Scale);
+            let levels = stated.map(|zero| whole_levels(zero / grid.step));
+            (exact(shift as f64 - zero_index, levels, ZERO_LEVEL_TOLERANCE), 0.0)
         };
         let code = |index: &i64| {
             i16::try_from(index.saturating_add(shift)).unwrap_or(if *index < 0 {

@@ -64,18 +64,24 @@ pub struct ShownSide {
     pub predicted: Option<UncertainPrediction>,
 }
 
-/// What the bench of this text predicts; none if it states no uncertainty.
+/// The bench of this text, if it states an uncertainty.
 ///
 /// # Errors
 /// A message for the user.
-pub fn predicted_bench(title: &str, text: &str) -> Result<Option<UncertainPrediction>, String> {
-    let mut scene =
+pub fn uncertain_bench(title: &str, text: &str) -> Result<Option<Adjustable>, String> {
+    let bench =
         Adjustable::from_text(title, "the bench", text).map_err(|error| with_reasons(&error))?;
-    if scene.scene().map_err(|error| with_reasons(&error))?.uncertainty.is_empty() {
-        return Ok(None);
-    }
-    let found = uncertain_prediction(&mut scene, SampleOptions::default(), true, &|_| ());
-    found.map(Some).map_err(|error| with_reasons(&error))
+    let scene = bench.scene().map_err(|error| with_reasons(&error))?;
+    Ok((!scene.uncertainty.is_empty()).then_some(bench))
+}
+
+/// What a bench predicts with its uncertainty.
+///
+/// # Errors
+/// A message for the user.
+pub fn predicted_bench(bench: &mut Adjustable) -> Result<UncertainPrediction, String> {
+    uncertain_prediction(bench, SampleOptions::default(), true, &|_| ())
+        .map_err(|error| with_reasons(&error))
 }
 
 /// What a scene predicts with its uncertainty, as `compare` computes it.

@@ -15,7 +15,10 @@ use crate::quantity::Uncertain;
 use crate::scope::Source;
 use crate::trace::Trace;
 use crate::tui::job::{Job, JobState, Queue, guarded};
-use crate::tui::model::comparison::{LoadedSide, ShownSide, compared, predicted, predicted_bench};
+use crate::tui::model::comparison::{
+    LoadedSide, ShownSide, compared, predicted, predicted_bench, uncertain_bench,
+};
+use crate::tui::model::live_state::LiveBench;
 use crate::tui::model::{Action, Overlay, Page, PageSpec, ScreenState};
 use crate::tui::view::colours::{colour, colour_of};
 use crate::tui::view::diagram::{Diagram, DiagramAxis};
@@ -77,7 +80,7 @@ impl ScreenState {
         let front = self.recordings.front();
         let set = front.set.with_shot(shot.clone());
         let bench = front.live.as_ref().filter(|live| live.served.is_none());
-        let bench = bench.map(|live| live.text());
+        let bench = bench.map(LiveBench::text);
         let name = front.title.clone();
         let mut shown = ShownSide { name, set, is_bench: bench.is_some(), predicted: None };
         let side = Arc::clone(&self.other_side);
@@ -93,12 +96,14 @@ impl ScreenState {
                 let side = side.as_mut().ok_or("there is nothing to compare with")?;
                 let found = compared(&shown, side)?;
                 if let Some(text) = bench {
-                    let first = found.clone();
+                    let Some(mut bench) = uncertain_bench(&shown.name, &text)? else {
+                        return Ok(found);
+                    };
                     report(Box::new(|model: &mut Self| {
-                        model.jobs.comparison = JobState::Done(Box::new(first));
+                        model.jobs.comparison = JobState::Done(Box::new(found));
                     }));
-                    match guarded(|| predicted_bench(&shown.name, &text)) {
-                        Ok(predicted) => shown.predicted = predicted,
+                    match guarded(|| predicted_bench(&mut bench)) {
+                        Ok(predicted) => shown.predicted = Some(predicted),
                         Err(problem) => report(Box::new(move |model: &mut Self| {
                             model.set_notice(format!("no bands of the bench: {problem}"));
                         })),

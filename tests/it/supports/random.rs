@@ -1,6 +1,8 @@
 //! Random chains with moving walls against a solver written for this test: positions and speeds of
 //! bodies and walls, fixed steps of the classical Runge-Kutta method, forces by Hertz's formula.
 
+use std::fmt::Write as _;
+
 use std::f64::consts::{PI, TAU};
 
 use hertzscope::experiment::accuracy::run_to_accuracy;
@@ -61,8 +63,9 @@ impl Bench {
             self.duration
         );
         for (i, radius) in self.radii.iter().enumerate() {
-            text += &format!(
-                "particles.p{i} = {{ material = \"m\", diameter = \"{:.17e} m\", mass = \"{:.17e} kg\" }}\n",
+            let _ = writeln!(
+                text,
+                "particles.p{i} = {{ material = \"m\", diameter = \"{:.17e} m\", mass = \"{:.17e} kg\" }}",
                 2.0 * radius,
                 mass(*radius)
             );
@@ -79,8 +82,9 @@ impl Bench {
                 format!("{{ rod = \"m\", diameter = \"{diameter:.17e} m\"{echo} }}")
             }
         };
-        text += &format!(
-            "chain = {{ top = {{ wall = \"m\", preload = \"{:.17e} N\" }}, bottom = {bottom}, segments = [{{ particles = [{}] }}] }}\n",
+        let _ = writeln!(
+            text,
+            "chain = {{ top = {{ wall = \"m\", preload = \"{:.17e} N\" }}, bottom = {bottom}, segments = [{{ particles = [{}] }}] }}",
             self.preload,
             names.join(", ")
         );
@@ -90,17 +94,20 @@ impl Bench {
                 "stack = {{ stiffness = \"{k:.17e} N/m\", stroke = \"{amplitude:.17e} m\" }}"
             ),
         };
-        text += &format!(
+        let _ = writeln!(
+            text,
             "drive = {{ {motion}, signal = {{ burst = \"{frequency:.17e} Hz\", cycles = {cycles}, window = \"hann\" }} }}\n"
         );
         if self.dashpot > 0.0 {
-            text += &format!(
-                "effects.dashpot = {{ gamma = \"{:.17e} N*s/m\", end_of_contact = \"zero_overlap\" }}\n",
+            let _ = writeln!(
+                text,
+                "effects.dashpot = {{ gamma = \"{:.17e} N*s/m\", end_of_contact = \"zero_overlap\" }}",
                 self.dashpot
             );
         }
-        text += &format!(
-            "sensors.s = {{ model = \"pzt-5a-710pf\", particle = {} }}\n[scope]\nmodel = \"tds2014\"\ntime_base = \"25 us/div\"\nposition = \"100 us\"\ntrigger = {{ source = \"CH1\", level = \"1 V\" }}\nch1 = {{ input = \"s\", scale = \"1 V/div\" }}\n",
+        let _ = writeln!(
+            text,
+            "sensors.s = {{ model = \"pzt-5a-710pf\", particle = {} }}\n[scope]\nmodel = \"tds2014\"\ntime_base = \"25 us/div\"\nposition = \"100 us\"\ntrigger = {{ source = \"CH1\", level = \"1 V\" }}\nch1 = {{ input = \"s\", scale = \"1 V/div\" }}",
             self.radii.len()
         );
         Scene::from_text("random", "random.toml", &text).unwrap_or_else(|e| panic!("{e}\n{text}"))
@@ -108,6 +115,10 @@ impl Bench {
 
     /// First peak of the dynamic force in the last particle (N), and its time (s), by steps of `h`
     /// (s).
+    #[allow(
+        clippy::too_many_lines,
+        reason = "a plain solver in one piece, read from top to bottom"
+    )]
     fn first_peak(&self, h: f64) -> Option<(f64, f64)> {
         let n = self.radii.len();
         let (modulus, ratio, density) = MATERIAL;

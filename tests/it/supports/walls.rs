@@ -93,7 +93,8 @@ fn the_limits_of_an_impedance_are_a_free_and_a_rigid_wall() {
 
 /// A striker bar on a Hopkinson bar: stress `rho c v/2` for the time `2 L/c`. Two rods of the same
 /// section and material meet: the one that comes is a wall that moves, and its echo ends the pulse.
-/// E = 200 GPa, rho = 7850: c = 5047.5 m/s; 10 m/s, 0.3 m: 198.1 MPa, 118.9 us.
+/// A modulus of 2e11 Pa and a density of 7850 kg/m^3 give `c` = 5047.5 m/s; 10 m/s and 0.3 m give
+/// 1.981e8 Pa for 118.9 us.
 #[test]
 fn a_hopkinson_bar_is_loaded_by_half_the_impedance_for_two_transits() {
     let section = 1e-4;

@@ -122,6 +122,7 @@ fn names(kind: usize, count: usize) -> Vec<(String, Source)> {
         .collect()
 }
 
+#[allow(clippy::too_many_lines, reason = "the forms in one list, each drawn where it is applied")]
 fn table(seed: u64) -> Table {
     let mut draws = Draws(seed);
     let rows = 12 + draws.below(30);
@@ -157,7 +158,9 @@ fn table(seed: u64) -> Table {
         })
         .collect();
     if separator == "  " {
-        channels.iter_mut().for_each(|channel| channel.name = channel.name.replace(' ', ""));
+        for channel in &mut channels {
+            channel.name = channel.name.replace(' ', "");
+        }
     }
     // Names without a channel's number: those that are read are numbered.
     if matches!(kind, 5 | 10) {

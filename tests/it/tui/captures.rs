@@ -129,7 +129,9 @@ fn every_capture_is_held_against_itself_and_another() {
                         assert!(numbers.iter().all(|n| n.is_finite()), "{name}: {channel:?}");
                         assert!(!same || channel.max_lsb == 0.0, "{name}: {channel:?}");
                     }
-                    assert!(!same || found.comparison.verdict == "pass", "{name}");
+                    // What a clipped channel hides cannot be judged.
+                    let clipped = set.shots[0].captures.iter().any(|c| c.waveform.clipped() > 0);
+                    assert!(!same || (found.comparison.verdict == "pass") != clipped, "{name}");
                     scored += 1;
                 }
                 Err(error) => {

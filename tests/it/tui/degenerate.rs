@@ -113,7 +113,8 @@ fn a_small_terminal_is_told_what_is_missing() {
 fn every_size_of_terminal_can_be_drawn() {
     let zoomed = after(four_channels(), &handled());
     let help = after(four_channels(), &[Action::Toggle(Popup::Help)]);
-    for model in [four_channels(), zoomed, help, model(TraceSet::default())] {
+    let none = Box::new(model(TraceSet::default()));
+    for model in [Box::new(four_channels()), Box::new(zoomed), Box::new(help), none] {
         for width in (1..100).step_by(3) {
             for height in 1..46 {
                 draw(&model, width, height);

@@ -407,9 +407,9 @@ fn values_are_typed_completed_and_brought_back() {
     type_text(&mut session, "co");
     session.act(&[Action::Complete]);
     assert_eq!(session.model.prompt(), "compare ");
-    type_text(&mut session, "magnet-0.6");
+    type_text(&mut session, "gravity-0.6");
     session.act(&[Action::Complete]);
-    assert_eq!(session.model.prompt(), "compare magnet-0.61g ");
+    assert_eq!(session.model.prompt(), "compare gravity-0.61g ");
     session.act(&[Action::Back]);
 }
 
