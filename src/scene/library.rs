@@ -316,8 +316,8 @@ impl Library {
     }
 }
 
-/// The first included scope, for a scene without one that lasts `duration` (s): ten divisions of the
-/// sequence 1, 2.5, 5 that show all of it.
+/// The first included scope, for a scene without one that lasts `duration` (s): ten divisions of
+/// the sequence 1, 2.5, 5 that show all of it.
 fn default_scope(duration: f64) -> String {
     let bases = (-9..=0).flat_map(|decade| [1.0, 2.5, 5.0].map(|step| step * 10f64.powi(decade)));
     let base = bases.into_iter().find(|base| 10.0 * base >= duration).unwrap_or(5.0);
