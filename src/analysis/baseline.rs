@@ -2,8 +2,9 @@
 //!
 //! Noise of one sample: the baseline's root mean square about its mean, but no less than
 //! `q/sqrt(12)`, what the rounding to levels `q` apart leaves (JCGM 100:2008, F.2.2.1). Where noise
-//! is below half a level, rounding errors of neighbouring samples go together, and zero and noise
-//! follow from how often each code is shown ([`super::quiet_scope`]).
+//! is below a third of a level, rounding errors of neighbouring samples go together, and zero and
+//! noise follow from how often each code is shown ([`super::quiet_scope`]). Elsewhere drift, mains
+//! hum and 1/f noise move the zero, and [`super::disturbance`] predicts it at each sample.
 //!
 //! A pulse begins below the noise: its foot lies in the baseline if the record begins shortly
 //! before it. A foot rises no more slowly than the exponential through an eighth and a quarter of
@@ -15,6 +16,8 @@ use std::ops::Range;
 
 use serde::Serialize;
 
+use super::disturbance::{Disturbance, KnownParts, smooth_rms};
+use super::droop::undo_droop_from;
 use super::pulse_conditions::{Conditions, MIN_BASELINE_SAMPLES, PEAK_SHARE, PulseError};
 use super::quiet_scope::{AtRest, MovingScatter};
 use super::rounding::{Rounding, Spread};
@@ -35,19 +38,22 @@ const MAX_FOOT_SHARE: f64 = 0.02;
 const MOTION_FACTOR: f64 = 2.0;
 const MOTION_DEVIATIONS: f64 = 5.0;
 const MOTION_SHARE: f64 = 0.01;
-/// Scatter below this many levels leaves rounding errors that go together (1).
-const DITHERED_RMS: f64 = 0.6;
+/// Scatter below this many levels leaves rounding errors that go together: noise of a fifth of a
+/// level between two codes shows as much, noise of half a level always more (1).
+const DITHERED_RMS: f64 = 0.53;
+/// Blocks of a baseline, for its disturbance.
+const BLOCKS: usize = 40;
 /// Samples of a smooth curve about which samples scatter, and levels that it spans at least.
 const CURVE_SAMPLES: usize = 12;
 const CURVE_LEVELS: f64 = 3.0;
 
 /// Zero and noise of a trace before the pulse.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Baseline {
     /// The signal at rest: the mean, or what the codes of a quiet scope show (unit).
     #[serde(rename = "baseline_v")]
     pub level: f64,
-    /// Root mean square about the mean (unit).
+    /// Root mean square about the mean, or about the disturbance (unit).
     #[serde(skip)]
     pub rms: f64,
     /// Number of samples.
@@ -56,6 +62,9 @@ pub struct Baseline {
     /// The first sample behind it.
     #[serde(skip)]
     pub end: usize,
+    /// Mean of the pulse's foot in it (unit).
+    #[serde(skip)]
+    foot: f64,
     /// Its standard uncertainty (unit).
     #[serde(rename = "baseline_u_v")]
     pub uncertainty: f64,
@@ -65,13 +74,20 @@ pub struct Baseline {
     /// The noise in front of the converter, as far as the codes show it.
     #[serde(skip)]
     pub rounding: Rounding,
+    /// Drift, hum and 1/f noise with the zero, of records that a scope dithers.
+    #[serde(skip)]
+    pub disturbance: Option<Disturbance>,
 }
 
 impl Baseline {
     /// The baseline of `trace`.
     pub(super) fn of(trace: &Trace, conditions: &Conditions) -> Result<Self, PulseError> {
         let scatter = || scatter(trace, conditions.level);
-        Self::with_rest(trace, (conditions, true), &scatter).map(|(baseline, _)| baseline)
+        let (mut baseline, rest) = Self::with_rest(trace, (conditions, true), &scatter)?;
+        if rest.is_none() {
+            baseline.find_disturbance(trace);
+        }
+        Ok(baseline)
     }
 
     /// The same with what the codes of a quiet scope show, whose samples elsewhere have this
@@ -97,6 +113,7 @@ impl Baseline {
         let Moments { mean, deviation: rms, .. } = Moments::of(values);
         let step = conditions.level;
         let rest = (rms < DITHERED_RMS * step).then(|| AtRest::of(values, step, scatter()));
+        let (samples, end) = (values.len(), range.end);
         let (level, spread, rounding) = if let Some(rest) = &rest {
             (rest.zero(), rest.spread(), rest.rounding())
         } else {
@@ -104,17 +121,90 @@ impl Baseline {
             (mean, Spread::normal(rms / count.sqrt()), Rounding { level: step, noise })
         };
         let spread = spread.plus(Spread::normal(foot));
-        let baseline = Self {
-            level,
-            rms,
-            samples: values.len(),
-            end: range.end,
-            uncertainty: spread.variance.sqrt(),
-            spread,
-            rounding,
-        };
+        let uncertainty = spread.variance.sqrt();
+        let disturbance = None;
+        let baseline =
+            Self { level, rms, samples, end, foot, uncertainty, spread, rounding, disturbance };
         Ok((baseline, rest))
     }
+
+    /// Finds what disturbs `trace` beside white noise, in the baseline alone; of a trace that was
+    /// never digitised nothing does.
+    pub fn find_disturbance(&mut self, trace: &Trace) {
+        let step = self.rounding.level;
+        let range = self.end - self.samples..self.end;
+        let Some(found) = (step > 0.0).then(|| disturbance(trace, range.clone(), step)).flatten()
+        else {
+            return;
+        };
+        *self = Self::disturbed(found.with_constant(self.foot), range, step);
+    }
+
+    /// The zero of a record with this `disturbance`, in the samples `range` on average.
+    pub fn disturbed(disturbance: Disturbance, range: Range<usize>, step: f64) -> Self {
+        let mean = |values: &[f64]| {
+            let part = values.get(range.clone()).unwrap_or_default();
+            part.iter().sum::<f64>() / part.len().max(1) as f64
+        };
+        let squares: f64 = disturbance.modes().iter().map(|mode| mean(mode).powi(2)).sum();
+        let rms = disturbance.noise;
+        let noise = (rms * rms - step * step / 12.0).max(0.0).sqrt();
+        Self {
+            level: mean(&disturbance.values()),
+            rms,
+            samples: range.len(),
+            end: range.end,
+            foot: 0.0,
+            uncertainty: squares.sqrt(),
+            spread: Spread::normal(squares.sqrt()),
+            rounding: Rounding { level: step, noise },
+            disturbance: Some(disturbance),
+        }
+    }
+
+    /// The zero at each of so many samples (unit).
+    pub fn zeros(&self, length: usize) -> Vec<f64> {
+        self.disturbance.as_ref().map_or_else(|| vec![self.level; length], Disturbance::values)
+    }
+
+    /// Modes of the zero's error at each of so many samples: independent, of standard deviation one
+    /// (unit).
+    pub fn modes(&self, length: usize) -> Vec<Vec<f64>> {
+        let constant = || vec![vec![self.uncertainty; length]];
+        self.disturbance.as_ref().map_or_else(constant, Disturbance::modes)
+    }
+
+    /// `trace` without its zero, and the modes of the zero's error, both with the droop of this
+    /// time constant undone from the baseline's end on (s).
+    pub fn take_from(&self, trace: &Trace, time_constant: Option<f64>) -> (Trace, Vec<Vec<f64>>) {
+        let length = trace.values.len();
+        let undone = |values: Vec<f64>| {
+            let start = Trace { values, ..trace.clone() };
+            time_constant
+                .map_or_else(|| start.clone(), |tau| undo_droop_from(&start, self.end, tau))
+        };
+        let values = trace.values.iter().zip(self.zeros(length)).map(|(v, zero)| v - zero);
+        let signal = undone(values.collect());
+        let modes = self.modes(length).into_iter().map(|mode| undone(mode).values).collect();
+        (signal, modes)
+    }
+}
+
+/// What disturbs `trace`, whose samples `range` are at rest and whose levels are `step` (unit)
+/// apart.
+fn disturbance(trace: &Trace, range: Range<usize>, step: f64) -> Option<Disturbance> {
+    let values = trace.values.get(range.clone())?;
+    let parts = KnownParts::new(trace.values.len(), trace.interval, step, 0);
+    let is_dithered = difference_noise(values) >= DITHERED_RMS * step;
+    let mut parts = if is_dithered { parts } else { parts.quiet() };
+    parts.add(values, range.start, BLOCKS, &[]);
+    Disturbance::of(&[parts])?.pop()
+}
+
+/// Noise of one sample by the differences of neighbours (unit).
+fn difference_noise(values: &[f64]) -> f64 {
+    let squares: f64 = values.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
+    (0.5 * squares / values.len().max(2) as f64).sqrt()
 }
 
 /// Standard uncertainty of one sample: the noise seen, but no less than rounding to levels leaves
@@ -179,6 +269,8 @@ struct Before {
     top: f64,
     /// Noise of one sample, from the differences of neighbours (unit).
     noise: f64,
+    /// Distance of two levels (unit).
+    level: f64,
 }
 
 impl Before {
@@ -200,8 +292,7 @@ impl Before {
         };
         let samples = reaches(PEAK_SHARE, 0).unwrap_or(0);
         let quiet = values.get(..(BASELINE_SHARE * samples as f64) as usize).unwrap_or_default();
-        let squares: f64 = quiet.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
-        let noise = (0.5 * squares / quiet.len().max(2) as f64).sqrt();
+        let noise = difference_noise(quiet);
         // Noise takes single samples across a level either way: how many are on a side is right on
         // average. From the last sample on the pulse's other side on, and as far again before.
         let half = reaches(2.0 * PEAK_SHARE, samples).unwrap_or(samples);
@@ -219,6 +310,7 @@ impl Before {
             growth: doubling / std::f64::consts::LN_2,
             top,
             noise: noise_of(noise, level),
+            level,
         }
     }
 
@@ -240,7 +332,14 @@ impl Before {
         let usual = end(BASELINE_SHARE);
         let shorter = SHORTER_SHARES.map(end).into_iter().filter(|n| *n >= MIN_BASELINE_SAMPLES);
         let ends = std::iter::once(usual).chain(shorter);
-        let resting: Vec<usize> = ends.filter(|n| !self.is_moving(rms(*n), *n)).collect();
+        // Drift and hum of a digitised record are no motion of the chain.
+        let is_explained = self.level > 0.0 && {
+            let values = trace.values.get(..usual).unwrap_or_default();
+            let left = smooth_rms(values, trace.interval, self.top / self.noise);
+            !self.is_moving(left, usual)
+        };
+        let resting: Vec<usize> =
+            ends.filter(|n| is_explained || !self.is_moving(rms(*n), *n)).collect();
         let Some(longest) = resting.first().copied() else {
             let (trace, noise) = (trace.name.clone(), self.noise);
             return Err(PulseError::NotAtRest { trace, rms: rms(usual), noise });

@@ -14,7 +14,7 @@ use serde::Serialize;
 use super::UncertainPrediction;
 use super::outputs::{OutputInterval, TraceBand};
 use crate::analysis::comparison::Pair;
-use crate::measurement::compare::{ChannelScore, Compared, SpeedScore};
+use crate::measurement::compare::{ChannelScore, Compared, SpeedScore, clipped_failures};
 use crate::numeric::intervals::expanded_95;
 use crate::quantity::Uncertain;
 
@@ -127,6 +127,7 @@ pub fn judge(compared: &mut Compared, predicted: &UncertainPrediction) -> Vec<No
         let beyond = errors.iter().filter(|error| !error.agrees());
         let failures = beyond.map(|error| format!("{}: E_n {}", error.quantity, error.figure()));
         comparison.failures = failures.collect();
+        comparison.failures.extend(clipped_failures(&comparison.channels));
         comparison.tolerance = vec!["E_n of peaks, delays, speeds and traces up to 1".to_owned()];
         comparison.verdict = if comparison.failures.is_empty() { "pass" } else { "fail" };
     }

@@ -3,12 +3,12 @@
 //! Each input is one number, or the numbers of a group, and has a score: how far it is from the
 //! middle of its distribution, in its standard uncertainties.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::adjust::{AdjustError, Adjustable, AdjustableNumber};
 use super::{InputDistribution, Scene, SceneError, SpreadAmount, UncertainInput};
 use crate::numeric::intervals::normal_quantile;
-use crate::quantity::engineering;
+use crate::quantity::{Difference, Dimension, engineering};
 use crate::scope::Deviation;
 
 /// What is wrong with a scene's `[uncertainty]`.
@@ -46,12 +46,23 @@ pub struct RandomInput {
     pub name: String,
     /// Its value in the scene, in SI units (unit).
     pub value: f64,
-    /// Unit in which the scene states it; empty for a plain number.
+    /// Unit in which the scene states it, and pages show it; empty for a plain number. In JSON the
+    /// SI unit of the numbers.
+    #[serde(serialize_with = "as_si")]
     pub unit: String,
     /// Its standard uncertainty, in SI units (unit).
     pub u: f64,
     /// Where that is known from.
     pub source: Option<String>,
+}
+
+/// Writes the SI unit of a quantity that is stated in `unit`.
+fn as_si<S: Serializer>(unit: &str, serializer: S) -> Result<S::Ok, S::Error> {
+    let read: Result<Difference, _> = format!("1 {unit}").parse();
+    let dimension = read.map_or(Dimension::NONE, |one| one.dimension);
+    let is_plain = unit.is_empty() || dimension == Dimension::NONE;
+    let si = if is_plain { String::new() } else { dimension.unit() };
+    serializer.serialize_str(&si)
 }
 
 /// What one input moves.

@@ -155,7 +155,8 @@ pub fn compare(
         pairs.push(pair);
     }
     let speeds = scores::speeds(&channels, [measured, simulated], &mut notes);
-    let failures = tolerance.failures(&scored, &speeds);
+    let mut failures = tolerance.failures(&scored, &speeds);
+    failures.extend(clipped_failures(&scored));
     let comparison = Comparison {
         measured: measured.name.to_owned(),
         simulated: simulated.name.to_owned(),
@@ -171,6 +172,16 @@ pub fn compare(
     };
     let quiet = channels.iter().map(ChannelPair::quiet).collect();
     Ok(Compared { comparison, pairs, quiet })
+}
+
+/// Channels whose trace is unknown where the converter was driven to its ends: they never pass.
+pub fn clipped_failures(channels: &[ChannelScore]) -> impl Iterator<Item = String> + '_ {
+    channels.iter().filter(|score| score.clipped > 0).map(|score| {
+        format!(
+            "{}: {} samples clipped at the converter's ends; take more volts a division",
+            score.name, score.clipped
+        )
+    })
 }
 
 /// The shift, by what it was found, and its uncertainty (s).
