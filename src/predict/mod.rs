@@ -19,7 +19,7 @@ mod normalised;
 mod outputs;
 mod regression;
 
-pub use normalised::{InputMove, NormalisedError, judge, normalised_errors};
+pub use normalised::{InputMove, JointTest, NormalisedError, judge, normalised_errors};
 pub use outputs::{OutputInterval, TraceBand};
 pub use regression::InputShare;
 
@@ -117,6 +117,10 @@ pub struct UncertainPrediction {
     pub inputs: Vec<RandomInput>,
     /// Peaks, arrivals and speeds, each with its interval and its inputs' shares.
     pub outputs: Vec<OutputInterval>,
+    /// Speeds over the distances of the scene's own numbers, as a measurement has them: plates that
+    /// are drawn elsewhere change the delay alone.
+    #[serde(skip)]
+    pub speeds_as_measured: Vec<OutputInterval>,
     /// Bands of the channels' traces; empty where none were asked for.
     pub bands: Vec<TraceBand>,
 }
@@ -215,7 +219,16 @@ pub fn uncertain_prediction(
         hypercube(inputs.count(), many).iter().map(|sample| inputs.scores(sample)).collect();
     let outputs =
         outputs::intervals([&drawn.nominal, &drawn.as_run], &drawn.pairs(), (inputs.list(), &many));
+    let as_measured = |found: &Prediction| outputs::over_nominal_distances(found, &drawn.nominal);
+    let speeds: Vec<Prediction> =
+        drawn.samples.iter().map(|(_, found)| as_measured(found)).collect();
+    let speeds: Vec<(&[f64], &Prediction)> =
+        drawn.samples.iter().zip(&speeds).map(|((s, _), found)| (s.as_slice(), found)).collect();
+    let own = [as_measured(&drawn.nominal), as_measured(&drawn.as_run)];
+    let speeds_as_measured =
+        outputs::intervals([&own[0], &own[1]], &speeds, (inputs.list(), &many));
     Ok(UncertainPrediction {
+        speeds_as_measured,
         scene: adjustable.name().to_owned(),
         samples: options.samples,
         seed: options.seed,

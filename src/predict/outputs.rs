@@ -34,6 +34,9 @@ pub struct OutputInterval {
     pub explained: f64,
     /// Each input's share, the largest first.
     pub inputs: Vec<InputShare>,
+    /// Its value in each drawn bench; NaN in those that do not have it (unit).
+    #[serde(skip)]
+    pub drawn: Vec<f64>,
 }
 
 /// Where 95 % of a channel's traces lie, sample by sample, without noise and rounding.
@@ -74,6 +77,7 @@ pub(super) fn intervals(
         let of = |outputs: &Vec<(String, &str, f64)>| {
             outputs.iter().find(|output| output.0 == *name).map(|output| output.2)
         };
+        let found_values = found.iter().map(|outputs| of(outputs).unwrap_or(f64::NAN)).collect();
         let pairs = samples.iter().zip(&found);
         let pairs: Vec<(&[f64], f64)> =
             pairs.filter_map(|((scores, _), outputs)| Some((*scores, of(outputs)?))).collect();
@@ -97,9 +101,31 @@ pub(super) fn intervals(
             interval_95,
             explained,
             inputs,
+            drawn: found_values,
         })
     };
     all.iter().filter_map(interval).collect()
+}
+
+/// `prediction` with nothing but its speeds, over the distances that `nominal` has.
+pub(super) fn over_nominal_distances(prediction: &Prediction, nominal: &Prediction) -> Prediction {
+    let over_nominal = |speed: &Speed| {
+        let is_same = |other: &&Speed| {
+            let key = |s: &Speed| (s.from, s.to, s.estimator);
+            key(other) == key(speed)
+                && (&other.from_sensor, &other.to_sensor) == (&speed.from_sensor, &speed.to_sensor)
+        };
+        let distance_m = nominal.speeds.iter().find(is_same)?.distance_m;
+        let m_per_s = speed.m_per_s * distance_m / speed.distance_m;
+        Some(Speed { distance_m, m_per_s, ..speed.clone() })
+    };
+    Prediction {
+        readings: Vec::new(),
+        wall: None,
+        speeds: prediction.speeds.iter().filter_map(over_nominal).collect(),
+        heights: Vec::new(),
+        traces: Vec::new(),
+    }
 }
 
 /// Values of an output for `many` scores: regression, its curvature along itself, and what both
@@ -134,6 +160,17 @@ impl TraceBand {
 }
 
 impl OutputInterval {
+    /// Covariance with `other` over the drawn benches that have both (unit of both).
+    pub fn covariance(&self, other: &Self) -> f64 {
+        let pairs = self.drawn.iter().zip(&other.drawn);
+        let pairs: Vec<(f64, f64)> =
+            pairs.map(|(a, b)| (*a, *b)).filter(|(a, b)| a.is_finite() && b.is_finite()).collect();
+        let count = pairs.len() as f64;
+        let mean = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / count;
+        let (of_a, of_b) = (mean(|pair| pair.0), mean(|pair| pair.1));
+        pairs.iter().map(|(a, b)| (a - of_a) * (b - of_b)).sum::<f64>() / (count - 1.0)
+    }
+
     /// The middle of the interval (unit).
     pub fn middle(&self) -> f64 {
         0.5 * (self.interval_95[0] + self.interval_95[1])

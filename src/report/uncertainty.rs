@@ -253,6 +253,7 @@ mod tests {
             interval_95: [2.9, 3.1],
             explained: 0.75,
             inputs: vec![share("speed", 0.5), share("mass", 0.25)],
+            drawn: Vec::new(),
         };
         let found = UncertainPrediction {
             scene: "bench".to_owned(),
@@ -262,6 +263,7 @@ mod tests {
             wall_s: 0.1,
             inputs: vec![input("mass"), input("speed")],
             outputs: vec![output],
+            speeds_as_measured: Vec::new(),
             bands: Vec::new(),
         };
         let sheet = budget_picture(&found);
