@@ -38,9 +38,17 @@ const MAX_FOOT_SHARE: f64 = 0.02;
 const MOTION_FACTOR: f64 = 2.0;
 const MOTION_DEVIATIONS: f64 = 5.0;
 const MOTION_SHARE: f64 = 0.01;
-/// Scatter below this many levels leaves rounding errors that go together: noise of a fifth of a
-/// level between two codes shows as much, noise of half a level always more (1).
+/// A record is a quiet scope's where its samples at rest scatter by less than this many levels, more
+/// than which noise of half a level rarely shows, and their codes show noise below so many levels:
+/// above, rounding errors of neighbouring samples are independent to `exp(-2 pi^2 0.42^2) / pi`,
+/// 0.01 levels, and the scatter shows the noise to 7 % (1).
+const QUIET_RMS: f64 = 0.65;
+const QUIET_NOISE: f64 = 0.42;
+/// Differences of neighbours show less than this many levels of noise where it is below a fifth of
+/// a level between two codes (1).
 const DITHERED_RMS: f64 = 0.53;
+/// Differences this many standard deviations too small are no chance (1).
+const TOGETHER_DEVIATIONS: f64 = 4.0;
 /// Blocks of a baseline, for its disturbance.
 const BLOCKS: usize = 40;
 /// Samples of a smooth curve about which samples scatter, and levels that it spans at least.
@@ -112,12 +120,14 @@ impl Baseline {
         let count = values.len() as f64;
         let Moments { mean, deviation: rms, .. } = Moments::of(values);
         let step = conditions.level;
-        let rest = (rms < DITHERED_RMS * step).then(|| AtRest::of(values, step, scatter()));
+        let rest = (rms < QUIET_RMS * step)
+            .then(|| AtRest::of(values, step, scatter()))
+            .filter(|rest| rest.rounding().noise < QUIET_NOISE * step && !go_together(values, rms));
         let (samples, end) = (values.len(), range.end);
         let (level, spread, rounding) = if let Some(rest) = &rest {
             (rest.zero(), rest.spread(), rest.rounding())
         } else {
-            let noise = (rms * rms - step * step / 12.0).sqrt();
+            let noise = (rms * rms - step * step / 12.0).max(0.0).sqrt();
             (mean, Spread::normal(rms / count.sqrt()), Rounding { level: step, noise })
         };
         let spread = spread.plus(Spread::normal(foot));
@@ -199,6 +209,13 @@ fn disturbance(trace: &Trace, range: Range<usize>, step: f64) -> Option<Disturba
     let mut parts = if is_dithered { parts } else { parts.quiet() };
     parts.add(values, range.start, BLOCKS, &[]);
     Disturbance::of(&[parts])?.pop()
+}
+
+/// Whether neighbours differ by less than their scatter about the mean allows for independent ones,
+/// in four standard deviations: then the zero moves.
+fn go_together(values: &[f64], rms: f64) -> bool {
+    let chance = TOGETHER_DEVIATIONS / (values.len().max(1) as f64).sqrt();
+    difference_noise(values).powi(2) < (1.0 - chance) * rms * rms
 }
 
 /// Noise of one sample by the differences of neighbours (unit).

@@ -78,8 +78,10 @@ impl Pulse {
         let rough =
             first_maximum(&signal.values, threshold(noise), drop(MIN_RAW_PROMINENCE * noise));
         let reach = smoothing_reach(rough.1 - rough.0);
-        let (smoothed, gain) = smooth(&signal.values, reach);
-        let smoothed_noise = noise * gain;
+        let (smoothed, weights) = smooth(&signal.values, reach);
+        let gain = weights.iter().map(|weight| weight * weight).sum::<f64>().sqrt();
+        let fast = baseline.disturbance.as_ref().map_or(0.0, |found| found.fast_noise(&weights));
+        let smoothed_noise = (noise * gain).hypot(fast);
         let (_, peak, has_fallen) = first_maximum(
             &smoothed,
             threshold(smoothed_noise),
@@ -235,12 +237,12 @@ fn smoothing_reach(rise: usize) -> usize {
     (SMOOTHING * rise as f64).round() as usize
 }
 
-/// Savitzky and Golay's quadratic smoothing over `reach` samples on either side, and what is left
-/// of white noise (1). Source: A. Savitzky, M. J. E. Golay, Anal. Chem. 36, 1627 (1964). Beyond the
+/// Savitzky and Golay's quadratic smoothing over `reach` samples on either side, and the weights of
+/// the samples. Source: A. Savitzky, M. J. E. Golay, Anal. Chem. 36, 1627 (1964). Beyond the
 /// ends the outermost samples stand.
-fn smooth(values: &[f64], reach: usize) -> (Vec<f64>, f64) {
+fn smooth(values: &[f64], reach: usize) -> (Vec<f64>, Vec<f64>) {
     if reach < 2 {
-        return (values.to_vec(), 1.0);
+        return (values.to_vec(), vec![1.0]);
     }
     let m = reach as f64;
     let scale = 3.0 / ((2.0 * m - 1.0) * (2.0 * m + 1.0) * (2.0 * m + 3.0));
@@ -249,5 +251,5 @@ fn smooth(values: &[f64], reach: usize) -> (Vec<f64>, f64) {
     let weights: Vec<(i64, f64)> = (-reach..=reach).map(|j| (j, weight(j))).collect();
     let at = |index: i64| values.get(index.clamp(0, last) as usize).copied().unwrap_or(0.0);
     let smoothed = (0..=last).map(|i| weights.iter().map(|(j, w)| w * at(i + j)).sum()).collect();
-    (smoothed, weight(0).sqrt())
+    (smoothed, weights.into_iter().map(|(_, weight)| weight).collect())
 }

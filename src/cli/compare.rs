@@ -132,29 +132,39 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let limits = arguments.tolerance.clone().unwrap_or_default();
     let mut compared = compare(measured, simulated, how, &limits)?;
     let errors = errors(arguments, &simulation, &mut compared)?;
+    fail_left_out(&arguments.sensor, &mut compared.comparison);
     let comparison = &compared.comparison;
     let scores = Scores { comparison, normalised_errors: errors };
     report::check_finite(&scores)?;
+    let parts = |stem: &str| {
+        let mut parts = report::comparison_page(&compared, stem);
+        parts.extend(report::normalised_error_parts(&scores.normalised_errors));
+        parts
+    };
     let title = format!("{name} against {}", arguments.simulated);
     if let Some(file) = &arguments.output {
         if ending(file, &["md", "html", "mcap"])? == "mcap" {
             let facts = report::comparison_facts(comparison);
             write_scores(file, &arguments.measured, &mut set, facts)?;
         } else {
-            write_document(file, &title, &|stem| report::comparison_page(&compared, stem))?;
+            write_document(file, &title, &parts)?;
         }
     }
     let picture = || page::picture(&title, &report::comparison_page(&compared, ""));
     arguments.plot.save(&scores, picture)?;
-    super::show(&scores, arguments.json, |scores| {
-        let mut page = page::text(&report::comparison_page(&compared, ""));
-        if !scores.normalised_errors.is_empty() {
-            page.push_str("\n\n");
-            page.push_str(&report::normalised_error_lines(&scores.normalised_errors).join("\n"));
-        }
-        page
-    })?;
+    super::show(&scores, arguments.json, |_| page::text(&parts("")))?;
     if comparison.failures.is_empty() { Ok(()) } else { Err(super::AnswerIsNo.into()) }
+}
+
+/// A channel that the user gave a sensor and that has no partner never passes.
+fn fail_left_out(sensors: &[SensorAssignment], comparison: &mut Comparison) {
+    for SensorAssignment { channel, .. } in sensors {
+        if !comparison.channels.iter().any(|score| score.name.eq_ignore_ascii_case(channel)) {
+            let failure = format!("{channel}: not compared, it has no partner in the simulation");
+            comparison.failures.push(failure);
+            comparison.verdict = "fail";
+        }
+    }
 }
 
 /// Normalised errors where the simulated side is a scene that states its uncertainty; without a

@@ -449,7 +449,8 @@ fn distance(text: &str) -> Result<RecordedDistance, String> {
 /// A channel and its sensor, as typed.
 #[derive(Debug, Clone)]
 pub struct SensorAssignment {
-    channel: String,
+    /// The measured channel.
+    pub channel: String,
     sensor: String,
 }
 

@@ -228,24 +228,31 @@ impl<'a> ReadChannel<'a> {
         let disturbance = self.pulse.as_ref().and_then(|p| p.baseline.disturbance.as_ref());
         let found = disturbance.and_then(Disturbance::note);
         let found = found.map(|note| format!("{}: {note}", self.arrivals.channel));
-        let found = found.into_iter().chain(self.hidden_foot());
+        let found = found.into_iter().chain(self.missing_arrivals());
         let Some(sensor) = self.sensor else { return found.collect() };
         let host = scene.and_then(|scene| sensor.host_note(scene));
         sensor.gain_note().into_iter().chain(host).chain(found).collect()
     }
 
-    /// Why a pulse has no arrival at a tenth of its height.
-    fn hidden_foot(&self) -> Option<String> {
+    /// Why a pulse has no arrival by some estimators.
+    fn missing_arrivals(&self) -> Option<String> {
         let pulse = self.pulse.as_ref()?;
-        let is_missing = pulse.arrival(Estimator::TenPercent).is_none();
-        let height = pulse.height().filter(|_| is_missing)?;
+        let height = pulse.height()?;
+        let missing: Vec<String> = Estimator::ALL
+            .into_iter()
+            .filter(|estimator| pulse.arrival(*estimator).is_none())
+            .map(|estimator| estimator.to_string())
+            .collect();
         let unit = &pulse.signal.unit;
-        Some(format!(
-            "{}: no arrival at a tenth of the height: the noise of {} hides the foot of a pulse of {}; take averages or fewer volts a division",
-            self.arrivals.channel,
-            engineering(pulse.noise, unit, 2),
-            engineering(height.value, unit, 3)
-        ))
+        (!missing.is_empty()).then(|| {
+            format!(
+                "{}: no arrival by {}: the noise of {} hides it in a pulse of {}; take averages or fewer volts a division",
+                self.arrivals.channel,
+                missing.join(", "),
+                engineering(pulse.noise, unit, 2),
+                engineering(height.value, unit, 3)
+            )
+        })
     }
 
     fn placed(&self) -> Option<PlacedPulse<'_>> {

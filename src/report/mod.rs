@@ -51,7 +51,7 @@ pub use sweep::{gathering, sweep};
 pub use table::RowTable;
 pub use tunability::{TunabilityPage, transmitted, tunability, tunability_picture};
 pub use uncertainty::{
-    bands_picture, budget_picture, normalised_error_lines, prediction_intervals, shot_picture,
+    bands_picture, budget_picture, normalised_error_parts, prediction_intervals, shot_picture,
     uncertainty_budget,
 };
 pub use work_precision::{WorkMeasure, work_precision, work_precision_picture};

@@ -1,6 +1,7 @@
 //! Intervals, bands and budgets of uncertain scenes, and normalised errors, as pages of text and
 //! pictures.
 
+use super::page::Part;
 use super::plot::{Axis, COLOURS, Plot, Series, Sheet, Stroke, trace_points};
 use super::table;
 use super::table::with_expanded;
@@ -192,12 +193,8 @@ pub fn shot_picture(shot: Option<&Shot>, title: &str) -> Sheet {
     Sheet::stack(title, traces.map(panel).collect())
 }
 
-/// Normalised errors as lines of `compare`.
-pub fn normalised_error_lines(errors: &[NormalisedError]) -> Vec<String> {
-    let mut lines = vec![
-        "normalised errors E_n, the difference over the combined U95: up to 1 agrees".to_owned(),
-        "  (simulated: the middle of the interval that the scene's uncertainty leaves)".to_owned(),
-    ];
+/// Normalised errors as parts of a page of `compare`; none without any.
+pub fn normalised_error_parts(errors: &[NormalisedError]) -> Vec<Part> {
     let mut rows = vec![["", "measured", "simulated", "E_n"].map(str::to_owned).to_vec()];
     let shown = |number: Option<Uncertain>, unit: &str| {
         number.map_or("-".to_owned(), |number| with_expanded(number.value, number.expanded(), unit))
@@ -207,24 +204,33 @@ pub fn normalised_error_lines(errors: &[NormalisedError]) -> Vec<String> {
             (shown(error.measured, error.unit), shown(error.simulated, error.unit));
         vec![error.quantity.clone(), measured, simulated, error.figure()]
     }));
-    lines.extend(table::lines(&rows, &[0]));
-    for error in errors.iter().filter(|error| !error.agrees()) {
-        let told = |by_u: fn(&InputMove) -> f64| {
-            let moves =
-                error.moves.iter().map(|one| format!("{} by {:+.1} u", one.input, by_u(one)));
-            moves.collect::<Vec<_>>()
-        };
-        let together = told(|one| one.by_u).join(", ");
-        lines.push(match told(|one| one.alone_by_u).first() {
-            Some(alone) if error.moves.len() > 1 => format!(
-                "  note  {}: to agree, inputs would have to move together: {together}; or one alone: {alone}",
-                error.quantity
-            ),
-            Some(_) => format!("  note  {}: to agree, {together}", error.quantity),
-            None => continue,
-        });
+    let title = "normalised errors E_n, the difference over the combined U95: up to 1 agrees";
+    let mut parts: Vec<Part> = Part::section(title, rows, &[0]).collect();
+    if parts.is_empty() {
+        return parts;
     }
-    lines
+    let told = "simulated: the middle of the interval that the scene's uncertainty leaves";
+    parts.push(Part::List("note", vec![told.to_owned()]));
+    let beyond = errors.iter().filter(|error| !error.agrees());
+    parts.push(Part::List("note", beyond.filter_map(moves_to_agree).collect()));
+    parts
+}
+
+/// Which inputs would have to move for both sides of `error` to be equal.
+fn moves_to_agree(error: &NormalisedError) -> Option<String> {
+    let told = |by_u: fn(&InputMove) -> f64| {
+        let moves = error.moves.iter().map(|one| format!("{} by {:+.1} u", one.input, by_u(one)));
+        moves.collect::<Vec<_>>()
+    };
+    let together = told(|one| one.by_u).join(", ");
+    let alone = told(|one| one.alone_by_u);
+    Some(match alone.first()? {
+        alone if error.moves.len() > 1 => format!(
+            "{}: to agree, inputs would have to move together: {together}; or one alone: {alone}",
+            error.quantity
+        ),
+        _ => format!("{}: to agree, {together}", error.quantity),
+    })
 }
 
 #[cfg(test)]

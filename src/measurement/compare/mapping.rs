@@ -88,6 +88,8 @@ pub struct ChannelNames {
     side: String,
     /// Place, channel and sensor.
     names: Vec<(usize, String, Option<String>)>,
+    /// Channels whose sensor has no place in a chain, as one of a calibration's file.
+    unplaced: Vec<String>,
 }
 
 impl ChannelNames {
@@ -97,11 +99,15 @@ impl ChannelNames {
     /// [`MappingError::Empty`] where there are none.
     pub fn of(side: ComparedShot<'_>, notes: &mut Vec<String>) -> Result<Self, MappingError> {
         let sensors = metadata::sensors_of(side.set, side.shot.number);
-        let mut names = Vec::new();
+        let (mut names, mut unplaced) = (Vec::new(), Vec::new());
         for (place, capture) in side.shot.captures.iter().enumerate() {
             let name = capture.waveform.source.to_string();
             if over_time(capture) {
-                let sensor = sensor_at(&sensors, &name).map(|sensor| sensor.name.clone());
+                let sensor = sensor_at(&sensors, &name);
+                if sensor.is_some_and(|sensor| sensor.place.is_none()) {
+                    unplaced.push(name.clone());
+                }
+                let sensor = sensor.map(|sensor| sensor.name.clone());
                 names.push((place, name, sensor));
             } else {
                 notes.push(format!(
@@ -114,7 +120,7 @@ impl ChannelNames {
             let (side, shot) = (side.name.to_owned(), side.shot.number);
             return Err(MappingError::Empty { side, shot });
         }
-        Ok(Self { side: side.name.to_owned(), names })
+        Ok(Self { side: side.name.to_owned(), names, unplaced })
     }
 
     /// The channels of a scene's scope that a sensor is wired to.
@@ -124,7 +130,7 @@ impl ChannelNames {
             let sensor = channel.as_ref()?.input.clone()?;
             Some((place, format!("CH{}", place + 1), Some(sensor)))
         });
-        Self { side: scene.name.clone(), names: wired.collect() }
+        Self { side: scene.name.clone(), names: wired.collect(), unplaced: Vec::new() }
     }
 
     /// Place of a channel, or of the channel with a sensor.
@@ -174,6 +180,7 @@ pub fn wires(
     let mut wires: Vec<ChannelMapping> = Vec::new();
     for (place, name, sensor) in &from.names {
         let said = assignments.iter().find(|a| a.channel.eq_ignore_ascii_case(name));
+        let same_channel = || to.names.iter().find(|(_, other, _)| other == name);
         let (partner, by) = match (said, sensor) {
             (Some(said), _) => {
                 let unknown =
@@ -182,12 +189,14 @@ pub fn wires(
             }
             (None, Some(sensor)) => {
                 let same = to.names.iter().find(|(_, _, other)| other.as_ref() == Some(sensor));
-                (same, "the recorded wiring")
+                // A calibration replaces numbers, not the wiring.
+                if same.is_none() && from.unplaced.contains(name) {
+                    (same_channel(), ASSUMED)
+                } else {
+                    (same, "the recorded wiring")
+                }
             }
-            (None, None) => {
-                let same = to.names.iter().find(|(_, other, _)| other == name);
-                (same, ASSUMED)
-            }
+            (None, None) => (same_channel(), ASSUMED),
         };
         let Some((simulated, target, there)) = partner else {
             let what = sensor.as_ref().map_or_else(String::new, |sensor| format!(" ({sensor})"));

@@ -63,6 +63,22 @@ pub struct ShownSide {
     pub set: TraceSet,
     /// Whether a bench is on screen, which is simulated here.
     pub is_bench: bool,
+    /// What that bench predicts with its uncertainty, once it is computed.
+    pub predicted: Option<UncertainPrediction>,
+}
+
+/// What the bench of this text predicts; none if it states no uncertainty.
+///
+/// # Errors
+/// A message for the user.
+pub fn predicted_bench(title: &str, text: &str) -> Result<Option<UncertainPrediction>, String> {
+    let mut scene =
+        Adjustable::from_text(title, "the bench", text).map_err(|error| with_reasons(&error))?;
+    if scene.scene().map_err(|error| with_reasons(&error))?.uncertainty.is_empty() {
+        return Ok(None);
+    }
+    let found = uncertain_prediction(&mut scene, SampleOptions::default(), true, &|_| ());
+    found.map(Some).map_err(|error| with_reasons(&error))
 }
 
 /// What a scene predicts with its uncertainty, as `compare` computes it.
@@ -94,10 +110,10 @@ pub fn compared(shown: &ShownSide, other: &LoadedSide) -> Result<Compared, Strin
         (here_side, there_side)
     };
     let tolerance = ScoreLimits::parse(SCORE_LIMITS)?;
-    let is_predicted = simulated.name == other.name;
+    let predicted = if simulated.name == other.name { &other.predicted } else { &shown.predicted };
     let mut compared = compare(measured, simulated, (Align::default(), &[]), &tolerance)
         .map_err(|error| with_reasons(&error))?;
-    if let Some(predicted) = other.predicted.as_ref().filter(|_| is_predicted) {
+    if let Some(predicted) = predicted {
         judge(&mut compared, predicted);
     }
     Ok(compared)

@@ -16,7 +16,9 @@ use crate::recording::TraceSet;
 use crate::scope::Source;
 use crate::trace::Trace;
 use crate::tui::job::{Job, JobState, Queue, guarded};
-use crate::tui::model::comparison::{LoadedSide, ShownSide, compared, predicted};
+use crate::tui::model::comparison::{
+    LoadedSide, ShownSide, compared, predicted, predicted_bench,
+};
 use crate::tui::model::{Action, Overlay, Page, PageSpec, ScreenState};
 use crate::tui::view::colours::{colour, colour_of};
 use crate::tui::view::diagram::{Diagram, DiagramAxis};
@@ -82,8 +84,10 @@ impl ScreenState {
             attachments: front.set.attachments.clone(),
             ..TraceSet::default()
         };
-        let is_bench = front.live.as_ref().is_some_and(|live| live.served.is_none());
-        let shown = ShownSide { name: front.title.clone(), set, is_bench };
+        let bench = front.live.as_ref().filter(|live| live.served.is_none());
+        let bench = bench.map(|live| live.text());
+        let name = front.title.clone();
+        let mut shown = ShownSide { name, set, is_bench: bench.is_some(), predicted: None };
         let side = Arc::clone(&self.other_side);
         self.ask(Job::new(
             Queue::Comparison,
@@ -96,6 +100,19 @@ impl ScreenState {
                 }
                 let side = side.as_mut().ok_or("there is nothing to compare with")?;
                 let found = compared(&shown, side)?;
+                if let Some(text) = bench {
+                    let first = found.clone();
+                    report(Box::new(|model: &mut Self| {
+                        model.jobs.comparison = JobState::Done(Box::new(first));
+                    }));
+                    match guarded(|| predicted_bench(&shown.name, &text)) {
+                        Ok(predicted) => shown.predicted = predicted,
+                        Err(problem) => report(Box::new(move |model: &mut Self| {
+                            model.set_notice(format!("no bands of the bench: {problem}"));
+                        })),
+                    }
+                    return compared(&shown, side);
+                }
                 if !side.is_uncertain || side.predicted.is_some() {
                     return Ok(found);
                 }
