@@ -38,10 +38,10 @@ const MAX_FOOT_SHARE: f64 = 0.02;
 const MOTION_FACTOR: f64 = 2.0;
 const MOTION_DEVIATIONS: f64 = 5.0;
 const MOTION_SHARE: f64 = 0.01;
-/// A record is a quiet scope's where its samples at rest scatter by less than this many levels, more
-/// than which noise of half a level rarely shows, and their codes show noise below so many levels:
-/// above, rounding errors of neighbouring samples are independent to `exp(-2 pi^2 0.42^2) / pi`,
-/// 0.01 levels, and the scatter shows the noise to 7 % (1).
+/// A record is a quiet scope's where its samples at rest scatter by less than this many levels,
+/// more than which noise of half a level rarely shows, and their codes show noise below so many
+/// levels: above, rounding errors of neighbouring samples are independent to
+/// `exp(-2 pi^2 0.42^2) / pi`, 0.01 levels, and the scatter shows the noise to 7 % (1).
 const QUIET_RMS: f64 = 0.65;
 const QUIET_NOISE: f64 = 0.42;
 /// Differences of neighbours show less than this many levels of noise where it is below a fifth of

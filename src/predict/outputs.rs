@@ -160,7 +160,8 @@ impl TraceBand {
 }
 
 impl OutputInterval {
-    /// Covariance with `other` over the drawn benches that have both (unit of both).
+    /// Covariance with `other` over the drawn benches that have both, in both outputs'
+    /// units (unit).
     pub fn covariance(&self, other: &Self) -> f64 {
         let pairs = self.drawn.iter().zip(&other.drawn);
         let pairs: Vec<(f64, f64)> =
