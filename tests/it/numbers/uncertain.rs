@@ -410,9 +410,9 @@ fn comparisons_go_by_what_both_sides_know() {
 }
 
 /// Benches drawn from the stated distribution by another generator, each recorded by a scope with
-/// its own noise and errors of gain and zero within the data sheet, pass at the stated level of 95 %; of those whose striker is two and four of its
-/// standard uncertainties too fast a share is found. Before, with a verdict for each quantity, 58 %
-/// passed.
+/// its own noise and errors of gain and zero within the data sheet, pass at the stated level of
+/// 95 %; of those whose striker is two and four of its standard uncertainties too fast a share is
+/// found. Before, with a verdict for each quantity, 58 % passed.
 #[test]
 fn benches_that_are_as_stated_pass_at_the_stated_level() {
     let folder = tempfile::tempdir().expect("a folder");
