@@ -361,10 +361,12 @@ fn a_bench_held_against_its_own_recording_differs_by_less_than_a_level() {
     };
     assert!(worst(&session) < 1.0, "{}", worst(&session));
     assert_eq!(session.model.page, Some(pages::compare::PAGE));
-    // A faster striker is another measurement; the comparison follows the knob.
+    // A faster striker is another measurement; the comparison follows the knob, once what is under
+    // way has arrived: scores come first, the judgement by the bench's uncertainty after them.
     session.command("set striker.speed 0.6 m/s");
-    session.next();
-    assert!(worst(&session) > 10.0, "{}", worst(&session));
+    while worst(&session) <= 10.0 {
+        session.next();
+    }
 }
 
 #[test]
