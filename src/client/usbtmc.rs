@@ -1,8 +1,8 @@
 //! A line over USB (USBTMC, the USB Test and Measurement Class): the device file of Linux's kernel
 //! driver, to which each write is a message, and from which each read asks for a part of a reply.
 //!
-//! The kernel waits for a reply by its own time limit: a thread reads and writes, so that whoever
-//! waits can stop. Reading without a reply on its way would be an error of the instrument: only
+//! A read of the device file blocks until the kernel's own time limit. It happens in a thread, so
+//! that Ctrl-C ends the program at once. Reading without a reply on its way would be an error of the instrument: only
 //! messages with a question mark have one. Source: Linux, `drivers/usb/class/usbtmc.c`,
 //! `Documentation/ABI/stable/sysfs-driver-usb-usbtmc`.
 
@@ -39,7 +39,7 @@ pub struct UsbInstrument {
     pub device: PathBuf,
     /// Maker, model and serial number, where the kernel tells them.
     pub identity: Option<UsbIdentity>,
-    /// Its name, where the kernel tells it.
+    /// Manufacturer and product, if the kernel's device files name them.
     pub name: String,
 }
 

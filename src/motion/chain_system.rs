@@ -117,7 +117,7 @@ pub struct ChainSystem {
     accounts: Accounts,
     /// The walls at the top and at the bottom that move.
     walls: [Option<Wall>; 2],
-    /// Speed that stands for a second in the account of the time (m/s²).
+    /// Acceleration of the state that keeps the time: its velocity over this is the time (m/s²).
     clock_rate: f64,
     longest_step: f64,
 }

@@ -142,7 +142,7 @@ pub trait Switching {
     /// What decides about `switch`.
     fn sides(&self, switch: usize) -> Sides;
 
-    /// How the bodies of `switch` stand and move in `state`.
+    /// Relative position and velocity of the two bodies at `switch`, in `state`.
     fn motion(&self, switch: usize, state: &State) -> Motion {
         self.sides(switch).of(state)
     }

@@ -56,8 +56,8 @@ pub struct MotionTables<'a, 'b> {
     pub strain_gauges: Option<&'b NamedTables<'a>>,
 }
 
-/// Reads the sensors of motion on a chain of so many particles, 0 if that is not known, with these
-/// rods at the top and at the bottom.
+/// Reads the vibrometers, accelerometers and strain gauges of a scene. The number of particles (0
+/// if the chain could not be read) and the rods at both ends limit where they can be.
 pub fn motion_sensors(
     tables: &MotionTables<'_, '_>,
     particles: usize,

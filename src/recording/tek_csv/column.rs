@@ -26,7 +26,7 @@ pub(super) struct SampleColumn {
     spots: Vec<(u32, u32)>,
     decimals: i32,
     digits: i32,
-    /// Factor of the unit beside powers of ten: 60 for minutes; 0 stands for 1.
+    /// Factor of units that are no power of ten of the SI unit, e.g. 60 for minutes; 0 means none.
     factor: f64,
     /// Rows without a value before the first.
     pub(super) before: usize,

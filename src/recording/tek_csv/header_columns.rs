@@ -46,7 +46,8 @@ pub(super) struct Block<'a, 't> {
     column: usize,
 }
 
-/// The blocks of a table, from left to right; none if its header does not stand beside the samples.
+/// The blocks (header and samples of one channel) of a table, from left to right; none for a table
+/// whose header is not to the left of the samples.
 pub(super) fn blocks<'a, 't>(table: &'t CsvRows<'a>) -> Vec<Block<'a, 't>> {
     let is_head = |index: &usize| table.row(*index).text(0) == layout::RECORD_LENGTH;
     let Some(head) = (0..=ROWS_ABOVE).find(is_head) else { return Vec::new() };

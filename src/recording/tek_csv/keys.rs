@@ -44,13 +44,14 @@ pub(super) const WAVEFORM_TYPE: &[&str] = &["waveform type"];
 /// Rows that are searched above the samples, and as many beside them.
 const MAX_KEY_ROWS: usize = 64;
 
-/// The rows above a table's samples, and what stands beside the first samples.
+/// Where keys (settings by name) can be: in the rows above a table's samples, and to the right of
+/// its first samples.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TableKeys<'a, 't> {
     pub(super) table: &'t CsvRows<'a>,
     /// Rows from 0 to before this one.
     pub(super) rows: usize,
-    /// Cells of the samples, in which no keys stand.
+    /// Columns that hold samples: keys are looked for in the others.
     pub(super) beside: &'t [usize],
 }
 

@@ -21,7 +21,8 @@ use crate::recording::{Capture, InstrumentIdentity};
 use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 use crate::scope::{PointFormat, Source};
 
-/// With so few rows, what comes first is taken as times, and its error told.
+/// Up to this many rows, also a first column that does not rise is taken as times: the refusal then
+/// says what is wrong with them.
 const FEW_ROWS: usize = 2;
 /// Channels of one file.
 const MAX_CHANNELS: u8 = 8;
@@ -290,8 +291,8 @@ impl ColumnPlan {
         );
     }
 
-    /// Finds the units that names do not tell in keys above the table; a channel of which the unit
-    /// is not known is left out.
+    /// Looks up units that are not in the columns' names in the keys above the table. Channels of
+    /// unknown units are left out.
     fn find_units(&mut self, keys: &TableKeys<'_, '_>) -> Result<(), RecordingError> {
         for index in 0..self.channels.len() {
             let Some(channel) = self.channels.get(index) else { continue };
