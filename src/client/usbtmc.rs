@@ -2,9 +2,9 @@
 //! driver, to which each write is a message, and from which each read asks for a part of a reply.
 //!
 //! A read of the device file blocks until the kernel's own time limit. It happens in a thread, so
-//! that Ctrl-C ends the program at once. Reading without a reply on its way would be an error of the instrument: only
-//! messages with a question mark have one. Source: Linux, `drivers/usb/class/usbtmc.c`,
-//! `Documentation/ABI/stable/sysfs-driver-usb-usbtmc`.
+//! that Ctrl-C ends the program at once. Reading without a reply on its way would be an error of
+//! the instrument: only messages with a question mark have one. Source: Linux,
+//! `drivers/usb/class/usbtmc.c`, `Documentation/ABI/stable/sysfs-driver-usb-usbtmc`.
 
 use std::fs::OpenOptions;
 use std::io::{self, ErrorKind};

@@ -194,8 +194,8 @@ impl Waveform {
         (f64::from(code) - p.y_off) * p.y_mult + p.y_zero
     }
 
-    /// Number of clipped points: at the lowest or highest level of the 8-bit converter if a division
-    /// has 25 levels, otherwise at the ends of 16 bits.
+    /// Number of clipped points: at the lowest or highest level of the 8-bit converter if a
+    /// division has 25 levels, otherwise at the ends of 16 bits.
     pub fn clipped(&self) -> usize {
         self.clipped_points().count()
     }
