@@ -15,19 +15,21 @@ pub struct DiatomicChain {
     pub heavy_mass: f64,
     /// Stiffness `beta` of every contact (N/m).
     pub stiffness: f64,
+    /// Exponent `p` of the law that the stiffness is of, 1.5 for Hertz's (1).
+    pub exponent: f64,
     /// Length `a` of a cell (m).
     pub cell: f64,
 }
 
 impl DiatomicChain {
-    /// The chain of Hertz contacts that is this one under the preload `now` (N), under another one,
+    /// The chain of contacts that is this one under the preload `now` (N), under another one,
     /// `force` (N).
     ///
-    /// `F = A overlap^1.5` has the stiffness `1.5 F/overlap`: it goes with the cubic root of the
+    /// `F = A overlap^p` has the stiffness `p F/overlap`: it goes with the power `1 - 1/p` of the
     /// force, and cells give by the overlaps.
     pub fn pressed(&self, now: f64, force: f64) -> Self {
-        let stiffness = self.stiffness * (force / now).cbrt();
-        let overlap = |force: f64, stiffness: f64| 1.5 * force / stiffness;
+        let stiffness = self.stiffness * (force / now).powf(1.0 - 1.0 / self.exponent);
+        let overlap = |force: f64, stiffness: f64| self.exponent * force / stiffness;
         let given = overlap(force, stiffness) - overlap(now, self.stiffness);
         Self { stiffness, cell: self.cell - 2.0 * given, ..*self }
     }

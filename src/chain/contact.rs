@@ -3,6 +3,7 @@
 use super::hertz;
 use super::loss::{ContactLoss, Touch};
 use super::plasticity::YieldLaw;
+use super::power;
 
 /// Iterations for a contact in series with a spring, at most.
 const SERIES_ITERATIONS: usize = 50;
@@ -10,12 +11,14 @@ const SERIES_ITERATIONS: usize = 50;
 const SPRING_ROOT: f64 = 1e10;
 
 /// How a contact's force follows its overlap.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Law {
     /// Hertz: `F = A overlap^1.5`, nothing once open.
     Hertz,
     /// Hertz linearised about the static state, by [`super::LinearisedContacts`].
     Linearised,
+    /// `F = A overlap^p` with a measured exponent `p` (1), nothing once open.
+    Power(f64),
 }
 
 /// What decides on a contact's force beside its motion.
@@ -37,7 +40,8 @@ impl Past {
 /// One contact and its static state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
-    /// `A` in `F = A overlap^1.5`; 0 where there is nothing to touch (N/m^1.5).
+    /// `A` in `F = A overlap^1.5`, or in `A overlap^p` (N/m^p); 0 where there is nothing to touch
+    /// (N/m^1.5).
     pub stiffness: f64,
     /// Static force (N).
     pub static_force: f64,
@@ -70,15 +74,53 @@ impl Contact {
 
     /// Stiffness against small changes of the static state (N/m).
     pub fn static_stiffness(&self) -> f64 {
-        hertz::tangent_stiffness(self.stiffness, self.static_overlap)
+        self.stiffness_at(self.static_overlap)
     }
 
-    /// The contact as one that follows Hertz's law: stiffness `A` (N/m^1.5), static overlap (m) and
+    /// Stiffness against small changes about an `overlap` (m) on the curve that it has unless it is
+    /// linearised (N/m).
+    pub fn stiffness_at(&self, overlap: f64) -> f64 {
+        match self.law {
+            Law::Power(exponent) => power::tangent_stiffness(self.stiffness, exponent, overlap),
+            Law::Hertz | Law::Linearised => hertz::tangent_stiffness(self.stiffness, overlap),
+        }
+    }
+
+    /// Exponent of that curve (1).
+    pub fn exponent(&self) -> f64 {
+        if let Law::Power(exponent) = self.law { exponent } else { 1.5 }
+    }
+
+    /// Overlap under which that curve bears `force` (N) (m).
+    pub fn overlap_under(&self, force: f64) -> f64 {
+        match self.law {
+            Law::Power(exponent) => power::overlap(self.stiffness, exponent, force),
+            Law::Hertz | Law::Linearised => hertz::overlap(self.stiffness, force),
+        }
+    }
+
+    /// Largest overlap of two bodies of `reduced_mass` (kg), free of loads, that meet with
+    /// `closing_speed` (m/s), on that curve (m).
+    pub fn collision_overlap(&self, reduced_mass: f64, closing_speed: f64) -> f64 {
+        match self.law {
+            Law::Power(exponent) => {
+                let energy = 0.5 * reduced_mass * closing_speed * closing_speed;
+                power::overlap_of_energy(self.stiffness, exponent, energy)
+            }
+            Law::Hertz | Law::Linearised => {
+                hertz::collision_overlap(self.stiffness, reduced_mass, closing_speed)
+            }
+        }
+    }
+
+    /// The contact as one that follows Hertz's law, which those of another exponent cannot be: stiffness `A` (N/m^1.5), static overlap (m) and
     /// the root of that (m^0.5). A spring of stiffness `k` is one under an immense preload: with
     /// `d0 = 1e20 m` and `A = 2/3 k/sqrt(d0)`, `A ((d0 + u)^1.5 - d0^1.5)` is `k u` to rounding.
     pub fn as_hertz(&self) -> (f64, f64, f64) {
         match self.law {
-            Law::Hertz => (self.stiffness, self.static_overlap, self.static_overlap.sqrt()),
+            Law::Hertz | Law::Power(_) => {
+                (self.stiffness, self.static_overlap, self.static_overlap.sqrt())
+            }
             Law::Linearised => {
                 let stiffness = self.static_stiffness() / (1.5 * SPRING_ROOT);
                 (stiffness, SPRING_ROOT * SPRING_ROOT, SPRING_ROOT)
@@ -101,8 +143,8 @@ impl Contact {
         // Newton's method on `f = F(change - f c)`, from the tangent at rest; the slope of the
         // difference is at least 1, so a few iterations end at rounding.
         let stiffness = |overlap: f64| match self.law {
-            Law::Hertz => hertz::tangent_stiffness(self.stiffness, self.static_overlap + overlap),
             Law::Linearised => self.static_stiffness(),
+            _ => self.stiffness_at(self.static_overlap + overlap),
         };
         let mut overlap = change / (1.0 + self.compliance * stiffness(change.max(0.0)));
         for _ in 0..SERIES_ITERATIONS {
@@ -142,7 +184,10 @@ impl Contact {
                 let (force, slope) = law.loading(overlap);
                 (force - self.static_force, slope)
             }
-            _ => hertz::force_and_tangent(self.stiffness, self.static_overlap.sqrt(), change),
+            _ if self.law == Law::Hertz => {
+                hertz::force_and_tangent(self.stiffness, self.static_overlap.sqrt(), change)
+            }
+            _ => (self.force_change(change), self.tangent_stiffness(change)),
         }
     }
 
@@ -170,6 +215,9 @@ impl Contact {
         match self.law {
             Law::Hertz => hertz::force_change(self.stiffness, self.static_overlap.sqrt(), change),
             Law::Linearised => self.static_stiffness() * change,
+            Law::Power(exponent) => {
+                power::force_change(self.stiffness, exponent, self.static_overlap, change)
+            }
         }
     }
 
@@ -209,11 +257,8 @@ impl Contact {
     /// Stiffness against further changes (N/m).
     pub fn tangent_stiffness(&self, change: f64) -> f64 {
         let stiffness = match self.law {
-            Law::Hertz => {
-                let change = self.without_spring(change);
-                hertz::tangent_stiffness(self.stiffness, self.static_overlap + change)
-            }
             Law::Linearised => self.static_stiffness(),
+            _ => self.stiffness_at(self.static_overlap + self.without_spring(change)),
         };
         stiffness / (1.0 + self.compliance * stiffness)
     }
@@ -233,6 +278,9 @@ impl Contact {
     fn overlap_energy(&self, change: f64) -> f64 {
         match self.law {
             Law::Hertz => hertz::energy(self.stiffness, self.static_overlap + change),
+            Law::Power(exponent) => {
+                power::energy(self.stiffness, exponent, self.static_overlap + change)
+            }
             Law::Linearised => {
                 hertz::energy(self.stiffness, self.static_overlap)
                     + (self.static_force + 0.5 * self.static_stiffness() * change) * change
@@ -252,8 +300,12 @@ impl Contact {
             let contact = Self { compliance: 0.0, ..*self };
             return contact.energy_change(overlap) + 0.5 * self.compliance * force * force;
         }
-        if self.law == Law::Linearised {
-            return 0.5 * self.static_stiffness() * change * change;
+        match self.law {
+            Law::Linearised => return 0.5 * self.static_stiffness() * change * change,
+            Law::Power(exponent) => {
+                return power::energy_change(self.stiffness, exponent, self.static_overlap, change);
+            }
+            Law::Hertz => (),
         }
         let gap = (-self.static_overlap - change).max(0.0);
         let r = self.static_overlap.sqrt();

@@ -183,6 +183,44 @@ pub struct Gravity {
     pub acceleration: f64,
 }
 
+/// `[effects.contact_law]`: `F = A overlap^p` with `A` and `p` as measured, in place of what
+/// follows from Hertz's law.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactLaw {
+    /// Exponent `p` of all contacts without their own (1).
+    pub exponent: f64,
+    /// Their `A` (N/m^p).
+    pub stiffness: f64,
+    /// Names of two bodies, in either order, with exponent and `A` of their contacts.
+    pub between: Vec<([String; 2], f64, f64)>,
+}
+
+impl ContactLaw {
+    /// Exponent (1) and `A` (N/m^p) of the contact between the bodies so named.
+    pub fn of(&self, upper: &str, lower: &str) -> (f64, f64) {
+        let own = self
+            .between
+            .iter()
+            .find(|([a, b], ..)| (a == upper && b == lower) || (a == lower && b == upper));
+        own.map_or((self.exponent, self.stiffness), |(_, exponent, stiffness)| {
+            (*exponent, *stiffness)
+        })
+    }
+
+    /// The settings in words.
+    fn summary(&self) -> String {
+        let law = |exponent: f64, stiffness: f64| {
+            let force = engineering(stiffness * MICROMETRE.powf(exponent), "N", 4);
+            format!("F = {force} (overlap/µm)^{exponent}")
+        };
+        let mut words = law(self.exponent, self.stiffness);
+        for ([upper, lower], exponent, stiffness) in &self.between {
+            let _ = write!(words, ", between {upper} and {lower} {}", law(*exponent, *stiffness));
+        }
+        words
+    }
+}
+
 /// `[effects.linearised_contacts]`: contacts linearised about the static state,
 /// `F = F0 + beta (change of overlap)`, `beta = 3/2 A^(2/3) F0^(1/3)`.
 ///
@@ -200,6 +238,8 @@ pub struct LinearisedContacts;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MagnetLaw;
 
+/// (m)
+const MICROMETRE: f64 = 1e-6;
 /// What a temperature in kelvin is above one in degrees Celsius.
 const ZERO_CELSIUS: f64 = 273.15;
 
@@ -297,6 +337,8 @@ pub struct EffectsSpec {
     pub losses: [Option<LossSpec>; KINDS],
     /// `[effects.gravity]`
     pub gravity: Option<Gravity>,
+    /// `[effects.contact_law]`
+    pub contact_law: Option<ContactLaw>,
     /// `[effects.linearised_contacts]`
     pub linearised_contacts: Option<LinearisedContacts>,
     /// `[effects.magnet_law]`
@@ -318,6 +360,7 @@ impl EffectsSpec {
         if let Some(gravity) = self.gravity {
             all.push(("gravity", engineering(gravity.acceleration, "m/s²", 4)));
         }
+        all.extend(self.contact_law.as_ref().map(|law| ("contact_law", law.summary())));
         if self.linearised_contacts.is_some() {
             let words = "Eq. (3): never open, right only far below the static force";
             all.push(("linearised_contacts", words.to_owned()));
@@ -344,6 +387,7 @@ impl EffectsSpec {
     /// Switches the effect called `name` off; none of that name, no change.
     pub fn remove(&mut self, name: &str) {
         match name {
+            "contact_law" => self.contact_law = None,
             "gravity" => self.gravity = None,
             "linearised_contacts" => self.linearised_contacts = None,
             "magnet_law" => self.magnet_law = None,

@@ -137,9 +137,15 @@ impl Chain {
         self.contacts.iter().any(|contact| contact.plastic.is_some())
     }
 
-    /// Whether its forces depend on time or history, for which the implicit method has no tangents.
+    /// Whether contacts follow another law than Hertz's.
+    pub fn has_other_exponents(&self) -> bool {
+        self.contacts.iter().any(|contact| matches!(contact.law, Law::Power(_)))
+    }
+
+    /// Whether its forces depend on time or history, for which the implicit method has no tangents,
+    /// or on an exponent for which it was not tried.
     pub fn needs_explicit_method(&self) -> bool {
-        self.has_moving_walls() || self.is_plastic()
+        self.has_moving_walls() || self.is_plastic() || self.has_other_exponents()
     }
 
     /// Whether its motion depends on more than positions, so that only the general methods serve.

@@ -60,6 +60,18 @@ pub enum ChainError {
         /// The body below the contact.
         body: String,
     },
+    /// What is made for Hertz's law meets a contact of another.
+    #[error(
+        "{what} is made for Hertz's law, but between {upper} and {lower} effects.contact_law holds: switch one of them off"
+    )]
+    OnlyForHertz {
+        /// The body above the contact.
+        upper: String,
+        /// The body below it.
+        lower: String,
+        /// What is made for Hertz's law.
+        what: &'static str,
+    },
     /// A drive, a rod or a plate at an end without a wall.
     #[error(
         "a drive, rod or plate at the {end} needs a wall there whose material touches the chain"

@@ -10,7 +10,7 @@
 
 use super::effects::{MagnetForce, MagnetPreload, PlacedAt, PlacedMagnet};
 use super::statics::contact;
-use super::{Body, ChainError, ChainSpec, Contact, End, hertz};
+use super::{Body, ChainError, ChainSpec, Contact, End};
 use crate::magnet::{ForceLaw, ForceTable, RingField, Sphere};
 
 /// Forces at which a static state is looked for.
@@ -155,8 +155,8 @@ impl ChainMagnet {
 
 /// The contacts below the magnet's body, down to a wall.
 struct Column {
-    /// Stiffness of each (N/m^1.5), and what it bears without the magnet (N).
-    contacts: Vec<(f64, f64)>,
+    /// Each, and what it bears without the magnet (N).
+    contacts: Vec<(Contact, f64)>,
     wall: bool,
 }
 
@@ -178,9 +178,8 @@ impl Column {
         if wall {
             for j in body + 1..=bodies.len() {
                 let bears = top + loads[first..j].iter().sum::<f64>();
-                // Any force that presses tells the stiffness.
-                let Contact { stiffness, .. } = contact(spec, bodies, j, 1.0)?;
-                contacts.push((stiffness, bears));
+                // Any force that presses tells the law.
+                contacts.push((contact(spec, bodies, j, 1.0)?, bears));
             }
         }
         Ok(Self { contacts, wall })
@@ -189,7 +188,7 @@ impl Column {
     /// How far the column gives under the magnet's `force` (N) and all other loads (m).
     fn sinks(&self, force: f64) -> f64 {
         let overlap =
-            |(stiffness, bears): &(f64, f64)| hertz::overlap(*stiffness, (bears + force).max(0.0));
+            |(contact, bears): &(Contact, f64)| contact.overlap_under((bears + force).max(0.0));
         self.contacts.iter().map(overlap).sum()
     }
 
@@ -220,9 +219,9 @@ impl Column {
     /// Refuses a magnet whose pull grows by more a way (N/m) than the column does under its `force`
     /// (N).
     fn holds(&self, growth: f64, force: f64) -> Result<(), ChainError> {
-        let gives = |(stiffness, bears): &(f64, f64)| {
-            let overlap = hertz::overlap(*stiffness, (bears + force).max(0.0));
-            1.0 / hertz::tangent_stiffness(*stiffness, overlap)
+        let gives = |(contact, bears): &(Contact, f64)| {
+            let overlap = contact.overlap_under((bears + force).max(0.0));
+            1.0 / contact.stiffness_at(overlap)
         };
         let stiffness = 1.0 / self.contacts.iter().map(gives).sum::<f64>();
         if self.wall && growth > stiffness {

@@ -22,6 +22,7 @@ mod ledger;
 pub mod loss;
 mod magnet;
 mod plasticity;
+mod power;
 pub(crate) mod probe;
 mod restitution;
 mod stability;
@@ -32,8 +33,8 @@ mod support;
 pub use body::{Body, ChainSpec, End};
 pub use contact::{Contact, Law, Past};
 pub use effects::{
-    ContactOverride, EffectsSpec, Gravity, LOSS_MODELS, LinearisedContacts, LossKind, LossModel,
-    LossSpec, MagnetForce, MagnetLaw, MagnetPreload, PlacedAt, PlacedMagnet,
+    ContactLaw, ContactOverride, EffectsSpec, Gravity, LOSS_MODELS, LinearisedContacts, LossKind,
+    LossModel, LossSpec, MagnetForce, MagnetLaw, MagnetPreload, PlacedAt, PlacedMagnet,
 };
 pub use energy::Energy;
 pub use equilibrium::Chain;

@@ -9,7 +9,7 @@
 //! negative pivots. Source: W. Givens, J. ACM 4, 298 (1957), on Sturm sequences of tridiagonal
 //! matrices.
 
-use super::{Chain, Contact, Drive, hertz};
+use super::{Chain, Contact, Drive};
 
 /// Relative width at which the bisection for an eigenvalue ends (1).
 const EIGENVALUE_TOLERANCE: f64 = 1e-12;
@@ -106,8 +106,8 @@ impl Chain {
             }
             let closing = closing_speed(velocity, j);
             let mobility: f64 = self.inverse_masses(j).iter().sum();
-            let dynamic = hertz::collision_overlap(contact.stiffness, 1.0 / mobility, closing);
-            hertz::tangent_stiffness(contact.stiffness, contact.static_overlap.max(dynamic))
+            let dynamic = contact.collision_overlap(1.0 / mobility, closing);
+            contact.stiffness_at(contact.static_overlap.max(dynamic))
         };
         let stiffnesses: Vec<f64> = self.contacts.iter().enumerate().map(stiffness).collect();
         self.limit(&stiffnesses, |square| reach / square.sqrt())
@@ -165,7 +165,7 @@ impl Chain {
         let speed = fastest(velocity);
         let ratio = |(j, slope): (usize, f64)| {
             let (overlap, mobility) = self.largest_overlap(j, speed);
-            let stiffness = hertz::tangent_stiffness(self.contacts[j].stiffness, overlap);
+            let stiffness = self.contacts[j].stiffness_at(overlap);
             if slope > 0.0 { slope * (mobility / stiffness).sqrt() } else { 0.0 }
         };
         self.dampings(velocity).into_iter().enumerate().map(ratio).fold(0.0, f64::max)
@@ -176,7 +176,7 @@ impl Chain {
     fn largest_overlap(&self, j: usize, speed: f64) -> (f64, f64) {
         let (contact, mobility): (_, f64) =
             (&self.contacts[j], self.inverse_masses(j).iter().sum());
-        let dynamic = hertz::collision_overlap(contact.stiffness, 1.0 / mobility, speed);
+        let dynamic = contact.collision_overlap(1.0 / mobility, speed);
         (contact.static_overlap.max(dynamic), mobility)
     }
 
@@ -196,7 +196,7 @@ impl Chain {
 
 /// Dynamic overlap of one contact when a body of `mass` (kg) runs into it with `speed` (m/s) (m).
 pub(super) fn overlap_with_neighbour(contact: &Contact, mass: f64, speed: f64) -> f64 {
-    let free = hertz::collision_overlap(contact.stiffness, 0.5 * mass, speed);
+    let free = contact.collision_overlap(0.5 * mass, speed);
     if contact.static_overlap == 0.0 {
         return free;
     }

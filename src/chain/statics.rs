@@ -2,7 +2,10 @@
 //! form.
 
 use super::geometry::{self, Face};
-use super::{Body, ChainError, ChainSpec, Contact, End, Law, LinearisedContacts, YieldLaw, hertz};
+use super::{
+    Body, ChainError, ChainSpec, Contact, ContactLoss, End, Law, LinearisedContacts, LossSpec,
+    YieldLaw, hertz,
+};
 
 /// Constant force on each body from effects and end forces, the magnet's excepted, downward
 /// positive (N).
@@ -53,12 +56,15 @@ pub fn contact(
     if bears < 0.0 {
         return Err(ChainError::Pulling { body: lower.to_owned(), force: bears });
     }
+    let names = (short(upper), short(lower));
+    let measured = spec.effects.contact_law.as_ref().map(|law| law.of(names.0, names.1));
+    let stiffness = measured.map_or(stiffness, |(_, stiffness)| stiffness);
     let law = match spec.effects.linearised_contacts {
         Some(LinearisedContacts) if bears == 0.0 => {
             return Err(ChainError::NothingToLinearise { body: lower.to_owned() });
         }
         Some(LinearisedContacts) => Law::Linearised,
-        None => Law::Hertz,
+        None => measured.map_or(Law::Hertz, |(exponent, _)| Law::Power(exponent)),
     };
     let yields = |body: Option<&Body>| body.and_then(|body| body.yield_strength);
     let strengths = [yields(j.checked_sub(1).and_then(|i| bodies.get(i))), yields(bodies.get(j))];
@@ -68,7 +74,10 @@ pub fn contact(
     let inverse = |body: Option<&Body>| body.map_or(0.0, |body| 1.0 / body.mass);
     let mobility = inverse(j.checked_sub(1).and_then(|i| bodies.get(i))) + inverse(bodies.get(j));
     let pair = (stiffness, 1.0 / mobility);
-    let loss = spec.effects.loss_between(short(upper), short(lower), pair);
+    let loss = spec.effects.loss_between(names.0, names.1, pair);
+    if measured.is_some() {
+        only_for_hertz(spec, names, loss)?;
+    }
     if loss.is_some() && law == Law::Linearised {
         return Err(ChainError::LinearisedWithLoss { body: lower.to_owned() });
     }
@@ -84,12 +93,9 @@ pub fn contact(
         let pressure = hertz::YIELD_PRESSURE_FACTOR * strength;
         YieldLaw::new(plasticity, stiffness, (reduced_modulus, radius), pressure)
     });
-    let static_overlap = match &plastic {
-        Some(law) => law.overlap_of(bears),
-        None => hertz::overlap(stiffness, bears),
-    };
-    let static_force = bears;
-    Ok(Contact {
+    let yield_force = yield_force.filter(|_| measured.is_none());
+    let (static_force, static_overlap) = (bears, 0.0);
+    let open = Contact {
         stiffness,
         static_force,
         static_overlap,
@@ -98,7 +104,35 @@ pub fn contact(
         yield_force,
         plastic,
         compliance,
-    })
+    };
+    let static_overlap = match &open.plastic {
+        Some(law) => law.overlap_of(bears),
+        None => open.overlap_under(bears),
+    };
+    Ok(Contact { static_overlap, ..open })
+}
+
+/// Refuses what is made for Hertz's exponent where a contact has another law.
+fn only_for_hertz(
+    spec: &ChainSpec,
+    (upper, lower): (&str, &str),
+    loss: Option<ContactLoss>,
+) -> Result<(), ChainError> {
+    let effects = &spec.effects;
+    let follows = |loss: &LossSpec| loss.between(upper, lower).1.is_some();
+    let what = if effects.linearised_contacts.is_some() {
+        "effects.linearised_contacts"
+    } else if effects.plasticity.is_some() {
+        "effects.plasticity"
+    } else if loss.is_some_and(|loss| loss.relaxation > 0.0) {
+        "effects.kuwabara_kono"
+    } else if effects.losses.iter().flatten().any(follows) {
+        "a loss by its restitution"
+    } else {
+        return Ok(());
+    };
+    let (upper, lower) = (upper.to_owned(), lower.to_owned());
+    Err(ChainError::OnlyForHertz { upper, lower, what })
 }
 
 /// A body's name as losses know it: to them a wall is a wall.

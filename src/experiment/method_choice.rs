@@ -132,7 +132,7 @@ fn is_preloaded(chain: &Chain, velocities: &[f64]) -> bool {
 /// too long for them.
 fn refuse(scene: &Scene, method: Method) -> Result<(), RunError> {
     if scene.chain.needs_explicit_method() && !serves(&scene.chain, method) {
-        let losses = "a drive, rod, plate or plastic contacts".to_owned();
+        let losses = "a drive, rod, plate, plastic contacts or effects.contact_law".to_owned();
         let (method, expected) = (method.name(), FOR_MOVING_WALLS);
         return Err(RunError::NotForLosses { method, losses, expected });
     }

@@ -175,7 +175,7 @@ fn deep_overlap(chain: &Chain, forces: &[f64]) -> Option<Note> {
         // A flat-faced body of which only the mass is told has none.
         let lengths = beside.filter_map(|i| chain.bodies().get(i)).map(|body| body.length);
         let lengths = lengths.filter(|length| *length > 0.0);
-        let overlap = (most / contact.stiffness).powf(2.0 / 3.0);
+        let overlap = contact.overlap_under(most);
         Some((j, overlap / lengths.fold(f64::INFINITY, f64::min)))
     };
     let real = (0..chain.contacts().len()).filter(|j| chain.contacts()[*j].stiffness > 0.0);

@@ -257,6 +257,7 @@ pub fn cell_and_force(scene: &Scene, site: Site) -> Option<(DiatomicChain, f64)>
         light_mass: here.min(other),
         heavy_mass: here.max(other),
         stiffness,
+        exponent: contact.exponent(),
         cell: chain.distance(upper, upper + 2),
     };
     (stiffness > 0.0).then_some((cell, contact.static_force))

@@ -402,7 +402,7 @@ impl System for ChainSystem {
                 let overlap = contact.static_overlap + of.difference;
                 self.yielding[j].is_some_and(|yielding| overlap > yielding.level())
             };
-            let opens = contact.law == Law::Hertz && is_open(from) != is_open(to);
+            let opens = contact.law != Law::Linearised && is_open(from) != is_open(to);
             let turns = || (from.rate > 0.0) != (to.rate > 0.0);
             opens
                 || bends(from) != bends(to)

@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use rand_distr::{Distribution as _, StandardUniform};
 
+use super::Scene;
 use super::document::{Node, Value};
 use super::table::{Bound, TableReader};
 use super::table::{any, positive, quantity, series, table, table_of, word, words};
-use crate::chain::{Carrier, Drive, Signal, Support};
+use crate::chain::{Carrier, Chain, Drive, Signal, Support};
 use crate::quantity::{Dimension, engineering};
 use crate::scope::front_end::noise_stream;
 
@@ -168,7 +169,9 @@ fn signal(keys: &SignalKeys<'_>, seed: Option<u64>) -> Option<Signal> {
         }
         "noise" => {
             let length = keys.length?;
-            (noise(table, keys.noise?, length, seed?)?, length, Window::Tukey)
+            let carrier = noise(keys.noise?, length, seed?);
+            let refuse = |expected| table.problem("length", engineering(length, "s", 3), expected);
+            (carrier.map_err(refuse).ok()?, length, Window::Tukey)
         }
         _ => {
             let (values, interval) = (samples(table, keys.samples?)?, keys.interval?);
@@ -184,19 +187,13 @@ fn signal(keys: &SignalKeys<'_>, seed: Option<u64>) -> Option<Signal> {
     Some(Signal { carrier, length, edge })
 }
 
-/// Sines a length's inverse apart over the band, of equal amplitudes, together of rms 1.
-fn noise(
-    table: &TableReader<'_>,
-    (from, to): (f64, f64),
-    length: f64,
-    seed: u64,
-) -> Option<Carrier> {
+/// Sines a length's inverse apart over the band, of equal amplitudes, together of rms 1; what to
+/// expect where they are too many.
+fn noise((from, to): (f64, f64), length: f64, seed: u64) -> Result<Carrier, String> {
     let count = ((to - from) * length).round().max(1.0);
     if count > MAX_TONES {
         let longest = engineering(MAX_TONES / (to - from), "s", 3);
-        let expected = format!("at most {longest} with this band");
-        table.problem("length", engineering(length, "s", 3), expected);
-        return None;
+        return Err(format!("at most {longest} with this band"));
     }
     let mut stream = noise_stream(seed, 0, PHASE_STREAM);
     let tone = |place: u32| {
@@ -204,7 +201,7 @@ fn noise(
         [TAU * (from + (to - from) * (f64::from(place) + 0.5) / count), TAU * phase]
     };
     let tones: Arc<[[f64; 2]]> = (0..count as u32).map(tone).collect();
-    Some(Carrier::Noise(tones, (2.0 / count).sqrt()))
+    Ok(Carrier::Noise(tones, (2.0 / count).sqrt()))
 }
 
 fn samples(table: &TableReader<'_>, node: &Node) -> Option<Arc<[f64]>> {
@@ -225,6 +222,31 @@ fn samples(table: &TableReader<'_>, node: &Node) -> Option<Arc<[f64]>> {
         table.problem("samples", "an empty list", "numbers, [0, 0.5, 1]");
     }
     values.map(Into::into)
+}
+
+impl Scene {
+    /// The same bench with noise of the band `from` to `to` (Hz) as the signal of its drive, as
+    /// long as the scene and drawn from `seed`.
+    ///
+    /// # Errors
+    /// What is missing, in words.
+    pub fn with_noise(&self, (from, to): (f64, f64), seed: u64) -> Result<Self, String> {
+        let mut scene = Self { seed, ..self.clone() };
+        let length = scene.duration;
+        let drive = scene.spec.effects.supports.iter_mut().find_map(|support| match support {
+            Support::Driven(drive) => Some(drive),
+            Support::Rigid | Support::Yielding(_) => None,
+        });
+        let Some(drive) = drive else {
+            let name = &self.name;
+            return Err(format!("found no [drive] in {name}, expected one that plays the noise"));
+        };
+        let carrier = noise((from, to), length, seed)
+            .map_err(|expected| format!("found a duration of {length} s, expected {expected}"))?;
+        drive.signal = Signal { carrier, length, edge: 0.1 * length };
+        scene.chain = Chain::new(&scene.spec).map_err(|error| error.to_string())?;
+        Ok(scene)
+    }
 }
 
 /// A generator's samples from the text of a file: one value a line, or lines of time and value

@@ -13,9 +13,9 @@ use super::table::{
     difference, effect, list_of, not_negative, quantity, table, text, texts, word, words,
 };
 use crate::chain::{
-    ContactOverride, EffectsSpec, EndOfContact, Gravity, LOSS_MODELS, LinearisedContacts, LossSpec,
-    MagnetForce, MagnetLaw, MagnetPreload, PlacedAt, PlacedMagnet, PlasticModel, Plasticity,
-    Restitution,
+    ContactLaw, ContactOverride, EffectsSpec, EndOfContact, Gravity, LOSS_MODELS,
+    LinearisedContacts, LossSpec, MagnetForce, MagnetLaw, MagnetPreload, PlacedAt, PlacedMagnet,
+    PlasticModel, Plasticity, Restitution,
 };
 use crate::magnet::Magnet;
 use crate::quantity::{Dimension, engineering};
@@ -100,6 +100,8 @@ table! {
         magnet_law: Effect<NoKeys<'a>> = effect(&[AUTO_SWITCH, NoKeys::KEYS]),
         /// contacts that yield where their softer body has a `yield_strength`
         plasticity: Effect<PlasticityKeys<'a>> = effect(&[AUTO_SWITCH, PlasticityKeys::KEYS]),
+        /// a measured exponent and stiffness of the contacts
+        contact_law: Effect<ContactLawKeys<'a>> = effect(&[SWITCH, ContactLawKeys::KEYS]),
         /// contacts as springs about the static state
         linearised_contacts: Effect<NoKeys<'a>> = effect(&[SWITCH, NoKeys::KEYS]),
     }
@@ -153,6 +155,66 @@ table! {
         /// of `walton_braun`, at any speed
         restitution: f64 = quantity(Dimension::NONE, Bound::Within(0.01, 1.0)),
     }
+}
+
+table! {
+    /// `[effects.contact_law]`: `F = force (overlap/at)^exponent`.
+    pub struct ContactLawKeys<'a> {
+        exponent: f64 = quantity(Dimension::NONE, Bound::Within(1.0, 5.0)).required(),
+        /// at the overlap:
+        force: f64 = quantity(Dimension::FORCE, Bound::FORCE).required(),
+        overlap: f64 = quantity(Dimension::LENGTH, Bound::LENGTH).required(),
+        /// other numbers where two kinds of bodies touch
+        contacts: Vec<TableReader<'a>> = list_of(&[PairLawKeys::KEYS]),
+    }
+}
+
+table! {
+    /// An entry of its `contacts`.
+    pub struct PairLawKeys<'a> {
+        between: Places<'a> = texts().required(),
+        exponent: f64 = quantity(Dimension::NONE, Bound::Within(1.0, 5.0)).required(),
+        force: f64 = quantity(Dimension::FORCE, Bound::FORCE).required(),
+        overlap: f64 = quantity(Dimension::LENGTH, Bound::LENGTH).required(),
+    }
+}
+
+fn contact_law(keys: &ContactLawKeys<'_>, pairs: &[(&str, &str)]) -> Option<ContactLaw> {
+    let law = |exponent: Option<f64>, force: Option<f64>, overlap: Option<f64>| {
+        let exponent = exponent?;
+        Some((exponent, force? / overlap?.powf(exponent)))
+    };
+    let own = keys.contacts.iter().flatten().map(|table| {
+        let keys = PairLawKeys::read(table);
+        let names = two_kinds(table, keys.between.unwrap_or_default(), pairs);
+        let (exponent, stiffness) = law(keys.exponent, keys.force, keys.overlap)?;
+        Some((names?, exponent, stiffness))
+    });
+    let between: Option<Vec<_>> = own.collect();
+    let (exponent, stiffness) = law(keys.exponent, keys.force, keys.overlap)?;
+    Some(ContactLaw { exponent, stiffness, between: between? })
+}
+
+/// The two kinds of bodies of the list `between`, which touch by `pairs`.
+fn two_kinds(
+    table: &TableReader<'_>,
+    names: Places<'_>,
+    pairs: &[(&str, &str)],
+) -> Option<[String; 2]> {
+    let [(upper, _), (lower, _)] = names.as_slice() else {
+        table.problem("between", format!("{} names", names.len()), "two kinds of bodies");
+        return None;
+    };
+    let meets = |(a, b): &(&str, &str)| (a == upper && b == lower) || (a == lower && b == upper);
+    if !pairs.is_empty() && !pairs.iter().any(meets) {
+        let found = format!("\"{upper}\" and \"{lower}\", which do not touch");
+        let mut known: Vec<&(&str, &str)> = pairs.iter().collect();
+        known.sort();
+        known.dedup();
+        let known = known.iter().map(|(a, b)| format!("{a} and {b}"));
+        table.problem("between", found, one_of(known));
+    }
+    Some([(*upper).to_owned(), (*lower).to_owned()])
 }
 
 /// A law of plastic contacts.
@@ -315,6 +377,7 @@ pub fn effects(
         gravity: on(keys.gravity.as_ref(), |keys| {
             keys.acceleration.map(|acceleration| Gravity { acceleration })
         }),
+        contact_law: on(keys.contact_law.as_ref(), |keys| contact_law(keys, pairs)),
         linearised_contacts: on(keys.linearised_contacts.as_ref(), |_| Some(LinearisedContacts)),
         magnet_law: (is_described && !law_is_off).then_some(MagnetLaw),
         magnet_preload,
@@ -418,25 +481,7 @@ fn loss(
     for own in table.get::<Vec<TableReader<'_>>>(contacts).unwrap_or_default() {
         let names: Places<'_> = own.get(between).unwrap_or_default();
         let value = strength(&own, own_coefficient);
-        let between = if let [(upper, _), (lower, _)] = names.as_slice() {
-            Some([(*upper).to_owned(), (*lower).to_owned()])
-        } else {
-            own.problem("between", format!("{} names", names.len()), "two kinds of bodies");
-            None
-        };
-        if let Some([upper, lower]) = &between {
-            let meets =
-                |(a, b): &(&str, &str)| (a == upper && b == lower) || (a == lower && b == upper);
-            if !pairs.is_empty() && !pairs.iter().any(meets) {
-                let found = format!("\"{upper}\" and \"{lower}\", which do not touch");
-                let mut known: Vec<&(&str, &str)> = pairs.iter().collect();
-                known.sort();
-                known.dedup();
-                let known = known.iter().map(|(a, b)| format!("{a} and {b}"));
-                own.problem("between", found, one_of(known));
-            }
-        }
-        match between.zip(value) {
+        match two_kinds(&own, names, pairs).zip(value) {
             Some((between, (value, restitution))) => {
                 overrides.push(ContactOverride { between, value, restitution });
             }

@@ -323,6 +323,7 @@ fn an_effect_that_is_off_is_as_if_it_were_not_there() {
     let plain = simulate(&scene("magnet-0.61g", ""), 1e-6);
     for (more, accuracy) in [
         (format!("[effects.dashpot]\nstate = \"off\"\n{dashpot}"), 1e-6),
+        ("[effects.contact_law]\nstate = \"off\"\nexponent = 1.2\nforce = \"1 N\"\noverlap = \"1 um\"\n".to_owned(), 1e-6),
         (format!("[effects.dashpot]\nstate = \"auto\"\n{}", dashpot.replace("0.8", "1e-12")), 1e-6),
         ("[effects.kuwabara_kono]\nstate = \"off\"\neta = \"1 us\"\nend_of_contact = \"zero_force\"\n[effects.scope_errors]\nstate = \"off\"\n[effects.sensor_tolerance]\nstate = \"off\"\nspread = \"20 %\"\n[effects.linearised_contacts]\nstate = \"off\"\n".to_owned(), 1e-6),
         ("[effects.striker_speed_spread]\nstate = \"off\"\nrelative = \"5 %\"\n".to_owned(), 1e-6),
@@ -348,6 +349,7 @@ fn a_state_is_one_of_its_words_and_mistakes_behind_it_are_told() {
     };
     // Everything that a scene may switch, by its table.
     for name in [
+        "contact_law",
         "dashpot",
         "gravity",
         "kuwabara_kono",

@@ -21,6 +21,7 @@ mod cli;
 mod client;
 mod compare;
 mod conservation;
+mod contact_law;
 #[cfg(all(unix, feature = "server", feature = "tui"))]
 mod documents;
 mod effects;

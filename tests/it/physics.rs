@@ -23,6 +23,7 @@ fn bench_chain() -> DiatomicChain {
     let stiffness = hertz::stiffness((PTFE, 1.0 / 2.38e-3), (STEEL, 0.0));
     let overlap = hertz::overlap(stiffness, 2.38);
     DiatomicChain {
+        exponent: 1.5,
         light_mass: 0.1226e-3,
         heavy_mass: 0.485e-3,
         stiffness: hertz::tangent_stiffness(stiffness, overlap),

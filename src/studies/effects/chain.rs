@@ -216,6 +216,19 @@ pub fn linearised_contacts(subject: &BaselineRun<'_>) -> LedgerEntry {
         .entry("linearised_contacts", "largest change of a contact force / its static force")
 }
 
+/// A measured law of the contacts, against Hertz's.
+pub fn contact_law(subject: &BaselineRun<'_>) -> LedgerEntry {
+    let is_on = subject.scene.spec.effects.contact_law.is_some();
+    let (trial, failed) = if is_on {
+        let other = subject.rebuilt(|scene| scene.spec.effects.contact_law = None);
+        against(subject, other, true)
+    } else {
+        (None, String::new())
+    };
+    let reason = format!("on by the scene; compared with Hertz's law{failed}");
+    EffectFinding { state: state(is_on), value: None, reason, trial }.entry("contact_law", "-")
+}
+
 /// Largest change of a contact force over its static one; none where a contact has no static force.
 fn opening_ratio(subject: &BaselineRun<'_>) -> Option<f64> {
     let chain = &subject.scene.chain;
@@ -271,8 +284,11 @@ pub fn yielding_wall(subject: &BaselineRun<'_>) -> LedgerEntry {
     let ratio = |((contact, body), support): (_, &Support)| {
         let (contact, body): (Option<&Contact>, Option<&Body>) = (contact, body);
         let impedance = support.backing()?.impedance;
-        let (stiffness, mass) = (contact?.stiffness, body?.mass);
-        Some(stiffness.powf(0.4) * mass.powf(0.6) * fastest.powf(0.2) / impedance)
+        let (contact, mass) = (contact?, body?.mass);
+        // The force of the overlap `(m v^2/A)^(1/(p+1))` over `Z v`.
+        let (p, stiffness) =
+            (contact.exponent(), contact.stiffness.powf(1.0 / (contact.exponent() + 1.0)));
+        Some(stiffness * mass.powf(p / (p + 1.0)) * fastest.powf((p - 1.0) / (p + 1.0)) / impedance)
     };
     let value = ends.into_iter().zip(chain.supports()).filter_map(ratio).reduce(f64::max);
     let finding = if value.is_none() {

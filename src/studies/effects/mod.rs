@@ -32,8 +32,8 @@ const OF_RECORDS: [&str; 7] = [
     "quantisation",
 ];
 
-/// Effects that are listed where a scene has them.
-const OF_MOVING_WALLS: [&str; 2] = ["drive", "yielding_wall"];
+/// Effects that are listed where a scene has them: they are none that it might have forgotten.
+const WHERE_ON: [&str; 3] = ["contact_law", "drive", "yielding_wall"];
 
 /// The ledger.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,7 +57,7 @@ pub fn ledger(
     progress: &mut dyn FnMut(f64),
 ) -> Result<Ledger, RunError> {
     type Make = fn(&BaselineRun<'_>) -> LedgerEntry;
-    const ENTRIES: [Make; 20] = [
+    const ENTRIES: [Make; 21] = [
         chain::striker_speed_spread,
         chain::gravity,
         chain::magnet_preload,
@@ -65,6 +65,7 @@ pub fn ledger(
         chain::dashpot,
         chain::kuwabara_kono,
         chain::power_law_loss,
+        chain::contact_law,
         chain::linearised_contacts,
         chain::drive,
         chain::yielding_wall,
@@ -86,8 +87,7 @@ pub fn ledger(
         progress(done as f64 / ENTRIES.len() as f64);
         entries.push(make(&subject));
     }
-    // Walls that do not move are no effect that a scene might have forgotten.
-    entries.retain(|entry| entry.active || !OF_MOVING_WALLS.contains(&entry.effect));
+    entries.retain(|entry| entry.active || !WHERE_ON.contains(&entry.effect));
     for entry in &mut entries {
         state_decision(scene, accuracy, entry);
         let change = entry.change.as_ref();
