@@ -11,6 +11,7 @@ mod lab_files;
 mod output;
 mod pictures;
 mod run;
+mod transfer;
 
 use std::path::Path;
 
