@@ -17,7 +17,7 @@ pub enum Law {
     Hertz,
     /// Hertz linearised about the static state, by [`super::LinearisedContacts`].
     Linearised,
-    /// `F = A overlap^p` with a measured exponent `p` (1), nothing once open.
+    /// `F = A overlap^p`, nothing once open, with a measured exponent `p` (1).
     Power(f64),
 }
 
@@ -113,8 +113,8 @@ impl Contact {
         }
     }
 
-    /// The contact as one that follows Hertz's law, which those of another exponent cannot be: stiffness `A` (N/m^1.5), static overlap (m) and
-    /// the root of that (m^0.5). A spring of stiffness `k` is one under an immense preload: with
+    /// The contact as one that follows Hertz's law, which those of another exponent cannot be:
+    /// stiffness `A` (N/m^1.5), static overlap (m) and the root of that (m^0.5). A spring of stiffness `k` is one under an immense preload: with
     /// `d0 = 1e20 m` and `A = 2/3 k/sqrt(d0)`, `A ((d0 + u)^1.5 - d0^1.5)` is `k u` to rounding.
     pub fn as_hertz(&self) -> (f64, f64, f64) {
         match self.law {
@@ -349,5 +349,26 @@ mod tests {
         }
         let small = contact.energy_change(1e-18) / (0.5 * contact.static_stiffness() * 1e-36);
         assert!((small - 1.0).abs() < 1e-9);
+    }
+
+    /// With the exponent 1.5 these are Hertz's functions, to rounding, closed, open and for small
+    /// changes.
+    #[test]
+    fn the_exponent_one_and_a_half_is_hertzs() {
+        let (a, rest) = (1.194e8, 7.35e-6);
+        let static_force = hertz::force(a, rest);
+        let contact = Contact { stiffness: a, static_force, static_overlap: rest, ..Contact::OPEN };
+        assert!((power::overlap(a, 1.5, static_force) / rest - 1.0).abs() < 1e-15);
+        for change in [-1e-5, -7.35e-6, -3e-6, -1e-7, -1e-13, 1e-13, 1e-7, 4e-6, 2e-5] {
+            let same = |found: f64, expected: f64| {
+                assert!((found - expected).abs() <= 2e-14 * expected.abs(), "{change}: {found}");
+            };
+            same(power::force_change(a, 1.5, rest, change), contact.force_change(change));
+            same(power::energy_change(a, 1.5, rest, change), contact.energy_change(change));
+            same(
+                power::tangent_stiffness(a, 1.5, rest + change),
+                contact.tangent_stiffness(change),
+            );
+        }
     }
 }

@@ -189,9 +189,9 @@ pub struct Gravity {
 pub struct ContactLaw {
     /// Exponent `p` of all contacts without their own (1).
     pub exponent: f64,
-    /// Their `A` (N/m^p).
+    /// Their `A`, in N/m^p (unit).
     pub stiffness: f64,
-    /// Names of two bodies, in either order, with exponent and `A` of their contacts.
+    /// Names of two bodies, in either order, with exponent (1) and `A` of their contacts (N/m^p).
     pub between: Vec<([String; 2], f64, f64)>,
 }
 

@@ -67,27 +67,3 @@ pub fn energy_change(stiffness: f64, exponent: f64, rest: f64, change: f64) -> f
     };
     energy(stiffness, exponent, rest) * beyond
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::chain::{Contact, hertz};
-
-    /// With the exponent 1.5 these are Hertz's functions, to rounding, closed, open and for small
-    /// changes.
-    #[test]
-    fn the_exponent_one_and_a_half_is_hertzs() {
-        let (a, rest) = (1.194e8, 7.35e-6);
-        let static_force = hertz::force(a, rest);
-        let contact = Contact { stiffness: a, static_force, static_overlap: rest, ..Contact::OPEN };
-        assert!((overlap(a, 1.5, static_force) / rest - 1.0).abs() < 1e-15);
-        for change in [-1e-5, -7.35e-6, -3e-6, -1e-7, -1e-13, 1e-13, 1e-7, 4e-6, 2e-5] {
-            let same = |found: f64, expected: f64| {
-                assert!((found - expected).abs() <= 2e-14 * expected.abs(), "{change}: {found}");
-            };
-            same(force_change(a, 1.5, rest, change), contact.force_change(change));
-            same(energy_change(a, 1.5, rest, change), contact.energy_change(change));
-            same(tangent_stiffness(a, 1.5, rest + change), contact.tangent_stiffness(change));
-        }
-    }
-}

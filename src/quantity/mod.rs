@@ -246,6 +246,15 @@ pub fn engineering(value: f64, unit: &str, digits: usize) -> String {
     join(&format!("{:.*}", digits.saturating_sub(before), mantissa), prefix, unit)
 }
 
+/// A value of a signal in `unit` (unit), as [`engineering`] has it: but a thousand times the
+/// acceleration of free fall, `g`, is no kilogram.
+pub fn signal_value(value: f64, unit: &str, digits: usize) -> String {
+    match engineering(value, unit, digits).strip_suffix(" kg") {
+        Some(_) if unit == "g" => format!("{value:.0} g"),
+        _ => engineering(value, unit, digits),
+    }
+}
+
 fn join(number: &str, prefix: &str, unit: &str) -> String {
     if prefix.is_empty() && unit.is_empty() {
         number.to_owned()

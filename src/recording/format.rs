@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
+use super::binary;
 use super::isf;
 use super::mcap::{IndexedRecording, ShotNotes, Traffic};
 use super::set_file::{self, SetFile};
@@ -37,12 +38,15 @@ type ReadFile = fn(&[u8], &str, &TableColumns) -> Result<Vec<Capture>, Recording
 pub const FORMATS: [FileFormat; 2] = [
     FileFormat {
         ending: "csv",
-        measurement_endings: &["lvm"],
+        measurement_endings: &["lvm", "npy", "npz", "wav", "tdms", "trc", "bin", "wfm"],
         other_endings: &["txt", "tsv", "dat", "asc", "prn"],
         is_in_folders: true,
         media_type: "text/csv",
         max_bytes: tek_csv::MAXIMUM_BYTES as u64,
-        read: |bytes, name, columns| tek_csv::read_columns(bytes, name, columns),
+        read: |bytes, name, columns| match binary::as_text(bytes, name) {
+            Some(text) => tek_csv::read_columns(text?.as_bytes(), name, columns),
+            None => tek_csv::read_columns(bytes, name, columns),
+        },
         write: |capture| Ok(tek_csv::write(capture)?.into_bytes()),
     },
     FileFormat {
@@ -492,7 +496,9 @@ fn read(
     };
     let bytes = read_limited(file, format.max_bytes)?;
     let captures = (format.read)(&bytes, &file.display().to_string(), columns)?;
-    Ok((captures, bytes, format.media_type))
+    let is_text = !binary::recognises(&bytes);
+    let media_type = if is_text { format.media_type } else { "application/octet-stream" };
+    Ok((captures, bytes, media_type))
 }
 
 /// When a file was last written, nanoseconds since 1970; 0 where the system does not tell.
@@ -559,6 +565,6 @@ fn read_limited(file: &Path, limit: u64) -> Result<Vec<u8>, RecordingError> {
 }
 
 fn unknown_format(file: &Path) -> RecordingError {
-    let expected = ".mcap, .csv, .lvm, .isf, or a folder of .csv files as the scope saves them";
+    let expected = ".mcap, .csv, .isf, .lvm, .tdms, .npy, .npz, .wav, .wfm, .bin, .trc, or a folder of .csv files as the scope saves them";
     RecordingError::found(file.display(), "no known format", expected)
 }

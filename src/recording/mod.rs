@@ -6,6 +6,7 @@
 
 use std::collections::BTreeMap;
 
+mod binary;
 mod command_text;
 mod error;
 mod finite;

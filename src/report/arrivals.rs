@@ -68,8 +68,8 @@ pub fn arrivals_picture(survey: &Survey, shot: &Shot, title: &str) -> Sheet {
             let name = arrival.estimator.replace('_', " ");
             Some((time.value, format!("{name}: {}", with(Some(time), "s"))))
         });
-        Plot::over_time([&trace.name, "V"], trace_points(&trace), Vec::new())
-            .with_marks(marks.collect())
+        let label = [trace.name.as_str(), trace.unit.as_str()];
+        Plot::over_time(label, trace_points(&trace), Vec::new()).with_marks(marks.collect())
     };
     let traces = shot.captures.iter().filter_map(Capture::trace);
     Sheet::stack(title, traces.map(panel).collect())

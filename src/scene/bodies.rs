@@ -73,9 +73,22 @@ table! {
         top: &'a Node = any(&[EndKeys::KEYS]).required().needs(END),
         /// or "free", or { force = "1.2 N" }
         bottom: &'a Node = any(&[EndKeys::KEYS]).required().needs(END),
+        /// or "lying": across gravity, which then has no part in it
+        orientation: Orientation = word::<Orientation>().or("standing"),
         segments: Vec<TableReader<'a>> = list_of(&[SegmentKeys::KEYS]),
     }
 }
+
+/// How the chain is set up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Orientation {
+    /// Along gravity.
+    Standing,
+    /// Across it.
+    Lying,
+}
+
+words! { Orientation { "standing" => Standing, "vertical" => Standing, "lying" => Lying, "horizontal" => Lying } }
 
 table! {
     /// One end of the chain.

@@ -5,11 +5,10 @@ use std::sync::Arc;
 
 use rand_distr::{Distribution as _, StandardUniform};
 
-use super::Scene;
 use super::document::{Node, Value};
 use super::table::{Bound, TableReader};
 use super::table::{any, positive, quantity, series, table, table_of, word, words};
-use crate::chain::{Carrier, Chain, Drive, Signal, Support};
+use crate::chain::{Carrier, Drive, Signal, Support};
 use crate::quantity::{Dimension, engineering};
 use crate::scope::front_end::noise_stream;
 
@@ -18,6 +17,8 @@ use crate::scope::front_end::noise_stream;
 pub const OUTPUTS: [&str; 2] = ["generator", "sync"];
 /// Most sines that a band of noise is made of: the time of a run grows with them.
 const MAX_TONES: f64 = 10_000.0;
+/// Share of its length over which a signal under a Tukey window rises, and falls (1).
+const EDGE_SHARE: f64 = 0.1;
 /// Stream of the phases of noise; channels use 1 to 4, the striker's speed 5.
 const PHASE_STREAM: u8 = 6;
 const SIGNALS: [&str; 5] = ["sine", "burst", "chirp", "noise", "samples"];
@@ -181,7 +182,7 @@ fn signal(keys: &SignalKeys<'_>, seed: Option<u64>) -> Option<Signal> {
     };
     let edge = match keys.window.unwrap_or(window) {
         Window::Rectangle => keys.ramp.unwrap_or(0.0),
-        Window::Tukey => 0.1 * length,
+        Window::Tukey => EDGE_SHARE * length,
         Window::Hann => 0.5 * length,
     };
     Some(Signal { carrier, length, edge })
@@ -224,29 +225,12 @@ fn samples(table: &TableReader<'_>, node: &Node) -> Option<Arc<[f64]>> {
     values.map(Into::into)
 }
 
-impl Scene {
-    /// The same bench with noise of the band `from` to `to` (Hz) as the signal of its drive, as
-    /// long as the scene and drawn from `seed`.
-    ///
-    /// # Errors
-    /// What is missing, in words.
-    pub fn with_noise(&self, (from, to): (f64, f64), seed: u64) -> Result<Self, String> {
-        let mut scene = Self { seed, ..self.clone() };
-        let length = scene.duration;
-        let drive = scene.spec.effects.supports.iter_mut().find_map(|support| match support {
-            Support::Driven(drive) => Some(drive),
-            Support::Rigid | Support::Yielding(_) => None,
-        });
-        let Some(drive) = drive else {
-            let name = &self.name;
-            return Err(format!("found no [drive] in {name}, expected one that plays the noise"));
-        };
-        let carrier = noise((from, to), length, seed)
-            .map_err(|expected| format!("found a duration of {length} s, expected {expected}"))?;
-        drive.signal = Signal { carrier, length, edge: 0.1 * length };
-        scene.chain = Chain::new(&scene.spec).map_err(|error| error.to_string())?;
-        Ok(scene)
-    }
+/// Noise of the band `from` to `to` (Hz) over `length` (s), drawn from `seed`, as a signal.
+///
+/// # Errors
+/// What to expect, in words, where that would be too many sines.
+pub(super) fn noise_signal(band: (f64, f64), length: f64, seed: u64) -> Result<Signal, String> {
+    Ok(Signal { carrier: noise(band, length, seed)?, length, edge: EDGE_SHARE * length })
 }
 
 /// A generator's samples from the text of a file: one value a line, or lines of time and value

@@ -50,7 +50,7 @@ pub use uncertainty::{InputDistribution, SpreadAmount, UncertainInput};
 
 use std::path::Path;
 
-use crate::chain::{Chain, ChainSpec, End};
+use crate::chain::{Chain, ChainSpec, End, Support};
 use crate::note::Note;
 use crate::quantity::engineering;
 use crate::scope::{Deviation, Model, Setup};
@@ -108,6 +108,8 @@ pub struct Scene {
     /// Effects that are switched off where nothing would be seen of them (`state = "auto"`), as
     /// long as that is not decided.
     pub auto: Vec<&'static str>,
+    /// Whether the chain lies across gravity.
+    pub lies: bool,
     /// Notes: masses that do not go with density and shape, decisions on effects.
     pub notes: Vec<Note>,
     /// How far the sensors' plates may be from their data; drawn from the seed.
@@ -159,6 +161,28 @@ impl Scene {
             }
             SceneError::Problems(problems)
         })
+    }
+
+    /// The same bench with noise of the band `from` to `to` (Hz) as the signal of its drive, as
+    /// long as the scene and drawn from `seed`.
+    ///
+    /// # Errors
+    /// What is missing, in words.
+    pub fn with_noise(&self, band: (f64, f64), seed: u64) -> Result<Self, String> {
+        let mut scene = Self { seed, ..self.clone() };
+        let length = scene.duration;
+        let drive = scene.spec.effects.supports.iter_mut().find_map(|support| match support {
+            Support::Driven(drive) => Some(drive),
+            Support::Rigid | Support::Yielding(_) => None,
+        });
+        let Some(drive) = drive else {
+            let name = &self.name;
+            return Err(format!("found no [drive] in {name}, expected one that plays the noise"));
+        };
+        drive.signal = drive::noise_signal(band, length, seed)
+            .map_err(|expected| format!("found a duration of {length} s, expected {expected}"))?;
+        scene.chain = Chain::new(&scene.spec).map_err(|error| error.to_string())?;
+        Ok(scene)
     }
 
     /// Names of the included scenes.
@@ -256,6 +280,7 @@ fn read(
         accuracy: keys.accuracy?,
         seed: keys.seed?,
         auto: effects.auto,
+        lies: moving.lies,
         notes: moving.notes,
         sensor_tolerance: effects.sensor_tolerance,
         uncertainty,
@@ -269,6 +294,7 @@ struct Moving<'a> {
     /// Rods behind the walls at the top and at the bottom.
     rods: [Option<bodies::Rod>; 2],
     effects: Effects,
+    lies: bool,
     initial_velocities: Vec<f64>,
     built: Option<(ChainSpec, Chain)>,
     notes: Vec<Note>,
@@ -307,6 +333,12 @@ fn moving<'a>(keys: &RootKeys<'a>, places: &[(&str, PlaceKeys<'_>)]) -> Moving<'
             effects.spec.supports = driven;
         }
     }
+    let orientation = chain.as_ref().and_then(|chain| chain.orientation);
+    let lies = orientation == Some(bodies::Orientation::Lying);
+    if lies {
+        effects.spec.gravity = None;
+        effects.auto.retain(|effect| *effect != "gravity");
+    }
     let velocities = keys.initial_velocities.as_deref().unwrap_or_default();
     let initial_velocities = bodies::initial_velocities(root, velocities, striker.as_ref(), count);
     // A kind that could not be read has already left its problem; half a chain would only add
@@ -331,10 +363,11 @@ fn moving<'a>(keys: &RootKeys<'a>, places: &[(&str, PlaceKeys<'_>)]) -> Moving<'
         _ => None,
     };
     let mut notes = materials.into_notes();
-    if keys.effects.as_ref().is_none_or(|effects| !effects.has("gravity")) {
+    if !lies && keys.effects.as_ref().is_none_or(|effects| !effects.has("gravity")) {
         notes.extend(built.as_ref().and_then(|(_, chain)| weightless(chain)));
     }
-    Moving { kinds: particles.kinds, wall, rods, effects, initial_velocities, built, notes }
+    let kinds = particles.kinds;
+    Moving { kinds, wall, rods, effects, lies, initial_velocities, built, notes }
 }
 
 /// The note on a chain on a wall without gravity, if its weight would matter to its last contact.
@@ -344,7 +377,7 @@ fn weightless(chain: &Chain) -> Option<Note> {
     let weight = FREE_FALL * particles.map(|body| body.mass).sum::<f64>();
     (weight > NOTED_WEIGHT_SHARE * contact.static_force).then(|| {
         let sentence = format!(
-            "gravity is off: upright, the chain weighs {}, and {} presses its last contact now; [effects.gravity] acceleration = \"9.81 m/s^2\" switches it on, state = \"off\" there says that it lies",
+            "gravity is off: upright, the chain weighs {}, and {} presses its last contact now; [effects.gravity] acceleration = \"9.81 m/s^2\" switches it on, chain.orientation = \"lying\" says that it lies",
             engineering(weight, "N", 3),
             engineering(contact.static_force, "N", 3)
         );

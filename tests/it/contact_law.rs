@@ -71,7 +71,7 @@ fn solitary_waves_of_eight_exponents_have_the_speeds_of_the_table() {
     }
 }
 
-/// Small changes under 10 N: the stiffness is `p F/d`, a spring of which two spheres on a wall hang.
+/// Small changes under 10 N: two spheres swing against each other on a spring of `p F/d`.
 #[test]
 fn a_weak_wave_sees_the_tangent() {
     for exponent in [1.0, 1.3, 1.5, 2.7, 5.0] {

@@ -5,6 +5,7 @@
 //! the TDS2000 family. Whole captures have no licence and stay outside the project: the environment
 //! variable `HERTZSCOPE_CAPTURES` names their folder.
 
+mod binary;
 mod captures;
 mod changed;
 mod foreign;

@@ -20,6 +20,7 @@ pub(super) fn speeds(study: &SpeedStudy) -> Table {
         "peak_m_per_s",
         "dashpot_half_rise_m_per_s",
         "dashpot_peak_m_per_s",
+        "yielding_half_rise_m_per_s",
     ]));
     let rows = study.rows.iter().map(|row| {
         let (paper, plain, lossy) = (&row.paper, &row.lossless, &row.with_dashpot);
@@ -31,6 +32,7 @@ pub(super) fn speeds(study: &SpeedStudy) -> Table {
             plain.peak.into(),
             lossy.half_rise.into(),
             lossy.peak.into(),
+            row.yielding.half_rise.into(),
         ]
     });
     Table { columns, rows: rows.collect() }

@@ -13,7 +13,7 @@ use crate::quantity::engineering;
 use crate::trace::Trace;
 
 /// Units that take no prefix.
-const WITHOUT_PREFIX: [&str; 3] = ["", "dB", "rad"];
+const WITHOUT_PREFIX: [&str; 4] = ["", "dB", "rad", "g"];
 /// Target number of intervals on an axis.
 const TARGET_INTERVALS: f64 = 6.0;
 

@@ -43,6 +43,12 @@ fn state(is_on: bool) -> EffectState {
 
 /// Gravity: the chain's weight against the weakest first peak.
 pub fn gravity(subject: &BaselineRun<'_>) -> LedgerEntry {
+    let criterion = "weight of the chain / smallest first peak";
+    if subject.scene.lies {
+        let reason = "the chain lies across it".to_owned();
+        let finding = EffectFinding { state: EffectState::Off, value: None, reason, trial: None };
+        return finding.entry("gravity", criterion);
+    }
     let gravity = subject.scene.spec.effects.gravity;
     let is_on = gravity.is_some();
     let acceleration = gravity.map_or(FREE_FALL, |gravity| gravity.acceleration);
@@ -56,8 +62,7 @@ pub fn gravity(subject: &BaselineRun<'_>) -> LedgerEntry {
         if is_on { "on by the scene" } else { "no table in the scene; compared with 9.81 m/s²" };
     let reason = format!("{words}: the chain weighs {}{failed}", engineering(weight, "N", 3));
     let value = Some(weight / subject.wave);
-    EffectFinding { state: state(is_on), value, reason, trial }
-        .entry("gravity", "weight of the chain / smallest first peak")
+    EffectFinding { state: state(is_on), value, reason, trial }.entry("gravity", criterion)
 }
 
 /// The magnet's force.

@@ -115,9 +115,9 @@ impl Sphere {
         let (low, high) =
             top.values.iter().fold((0.0, 0.0), |(l, h): (f64, f64), v| (l.min(*v), h.max(*v)));
         Ok(ClaimResult::to(item)
-            .plain("in the contact", value(contact))
             .or("inside the top sphere, half of the contact", value(0.5 * contact))
-            .or("half of peak to peak inside the top sphere", value(0.25 * (high - low))))
+            .or("half of peak to peak inside the top sphere", value(0.25 * (high - low)))
+            .plain("in the contact", value(contact)))
     }
 
     /// Least overlap of the contacts near the struck end over the static one, by Hertz's law (1).
@@ -232,6 +232,7 @@ fn linear(sphere: &Sphere) -> Result<Vec<ClaimResult>, PaperError> {
         ClaimResult::to("linear_source_transformed")
             .plain("height of the line in the top contact", late? / early?)
             .note(mode),
+        ClaimResult::to("linear_source_gone").plain("height of the line inside particle 11 over that inside the top sphere", left),
         sphere.first_pulse("linear_first_pulse", &|force| force)?,
         sphere.first_pulse("linear_first_pulse_ratio", &|force| sphere.ratio(force))?,
         sphere.width("linear_width_5", 5)?,

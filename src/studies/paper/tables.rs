@@ -10,7 +10,7 @@ use super::PaperError;
 use super::claims::{Claim, Expected, Typed};
 use super::record::{accuracy, nothing};
 use super::verdict::ClaimResult;
-use crate::chain::{Chain, EndOfContact, ForceProbe, LossKind, LossSpec};
+use crate::chain::{Chain, EndOfContact, ForceProbe, LossKind, LossSpec, PlasticModel, Plasticity};
 use crate::experiment::ensemble::{Case, Ensemble};
 use crate::experiment::paper_speeds::{PaperSpeed, speeds};
 use crate::experiment::pulse::{HALF_RISE_SHARE, PulseRecorder};
@@ -41,6 +41,8 @@ pub struct SpeedRow {
     pub lossless: Speeds,
     /// With the best single dashpot.
     pub with_dashpot: Speeds,
+    /// Without losses but for contacts that yield by Thornton's law.
+    pub yielding: Speeds,
     /// Without losses, with the uncertainty that the scene states: by the half-rise (m/s).
     pub half_rise: Uncertain,
     /// The same by the first peak (m/s).
@@ -94,17 +96,31 @@ pub(super) fn with_dashpot(scene: &Scene, dashpot: f64) -> Result<Scene, PaperEr
     Ok(scene)
 }
 
+/// `scene` with contacts that yield by Thornton's law.
+fn with_plasticity(scene: &Scene) -> Result<Scene, PaperError> {
+    let mut scene = scene.clone();
+    scene.spec.effects.plasticity = Some(Plasticity { model: PlasticModel::Thornton });
+    scene.chain = Chain::new(&scene.spec)?;
+    Ok(scene)
+}
+
 /// Computes both tables and finds the dashpot.
 pub(super) fn study(progress: &mut dyn FnMut(f64)) -> Result<SpeedStudy, PaperError> {
     let printed = speeds().map_err(PaperError::Claims)?;
     let scenes: Result<Vec<Scene>, _> = printed.iter().map(|row| Scene::load(&row.scene)).collect();
     let scenes = scenes?;
     let measured: Vec<f64> = printed.iter().map(|row| row.experiment_m_per_s).collect();
-    let lossless = speeds_of(&scenes, 0.0, false)?;
+    let lossless = speeds_of(&scenes, false)?;
+    let plastic: Result<Vec<Scene>, _> = scenes.iter().map(with_plasticity).collect();
+    let yielding = speeds_of(&plastic?, false)?;
+    let with = |dashpot: f64, search: bool| {
+        let lossy = scenes.iter().map(|scene| with_dashpot(scene, dashpot));
+        speeds_of(&lossy.collect::<Result<Vec<_>, _>>()?, search)
+    };
     let half_rises = |speeds: &[Speeds]| speeds.iter().map(|s| s.half_rise).collect::<Vec<_>>();
     let mut scan = Vec::new();
     for (done, dashpot) in (0u8..).zip(DASHPOT_SCAN) {
-        scan.push((dashpot, half_rises(&speeds_of(&scenes, dashpot, true)?)));
+        scan.push((dashpot, half_rises(&with(dashpot, true)?)));
         progress(f64::from(done) / 16.0);
     }
     let costs: Vec<f64> = scan.iter().map(|(_, speeds)| rms(speeds, &measured)).collect();
@@ -112,16 +128,17 @@ pub(super) fn study(progress: &mut dyn FnMut(f64)) -> Result<SpeedStudy, PaperEr
     let bracket = [lowest.saturating_sub(1), (lowest + 1).min(DASHPOT_SCAN.len() - 1)]
         .map(|i| DASHPOT_SCAN[i]);
     let dashpot = golden_section::<PaperError>(bracket, DASHPOT_STEP, &mut |dashpot| {
-        Ok(rms(&half_rises(&speeds_of(&scenes, dashpot, true)?), &measured))
+        Ok(rms(&half_rises(&with(dashpot, true)?), &measured))
     })?;
     progress(1.0);
-    let with = speeds_of(&scenes, dashpot, false)?;
+    let with = with(dashpot, false)?;
     let (rms_lossless, rms_with_dashpot) =
         (rms(&half_rises(&lossless), &measured), rms(&half_rises(&with), &measured));
     let mut rows = Vec::new();
-    for ((paper, lossless), with_dashpot) in printed.into_iter().zip(lossless).zip(with) {
+    let columns = lossless.into_iter().zip(with).zip(yielding);
+    for (paper, ((lossless, with_dashpot), yielding)) in printed.into_iter().zip(columns) {
         let [half_rise, peak] = intervals(&paper.scene)?;
-        rows.push(SpeedRow { paper, lossless, with_dashpot, half_rise, peak });
+        rows.push(SpeedRow { paper, lossless, with_dashpot, yielding, half_rise, peak });
     }
     Ok(SpeedStudy { rows, dashpot, scan, rms_lossless, rms_with_dashpot })
 }
@@ -150,12 +167,8 @@ fn rms(found: &[f64], measured: &[f64]) -> f64 {
     (squares / found.len() as f64).sqrt()
 }
 
-/// Speeds of all scenes with one dashpot in every contact (N s/m), at their accuracy, or less while
-/// the best one is looked for.
-fn speeds_of(scenes: &[Scene], dashpot: f64, search: bool) -> Result<Vec<Speeds>, PaperError> {
-    let lossy: Result<Vec<Scene>, PaperError> =
-        scenes.iter().map(|scene| with_dashpot(scene, dashpot)).collect();
-    let lossy = lossy?;
+/// Speeds of all scenes at their accuracy, or less while the best dashpot is looked for.
+fn speeds_of(scenes: &[Scene], search: bool) -> Result<Vec<Speeds>, PaperError> {
     let case = |scene: &Scene| Case {
         chain: scene.chain.clone(),
         velocities: scene.initial_velocities.clone(),
@@ -165,11 +178,11 @@ fn speeds_of(scenes: &[Scene], dashpot: f64, search: bool) -> Result<Vec<Speeds>
             .collect(),
         duration: scene.duration,
     };
-    let cases: Vec<Case> = lossy.iter().map(case).collect();
-    let tightest = lossy.iter().map(accuracy).fold(f64::INFINITY, f64::min);
+    let cases: Vec<Case> = scenes.iter().map(case).collect();
+    let tightest = scenes.iter().map(accuracy).fold(f64::INFINITY, f64::min);
     let accuracy = if search { SEARCH_ACCURACY } else { tightest };
     let readouts = Ensemble::new(accuracy).run(&cases, &|_| ());
-    let speeds = lossy.iter().zip(readouts).map(|(scene, readout)| {
+    let speeds = scenes.iter().zip(readouts).map(|(scene, readout)| {
         let readout = readout?;
         let [from, to] = readout.pulses.as_slice() else {
             return Err(nothing(scene, "two forces"));
@@ -226,14 +239,16 @@ pub(super) fn answers(study: &SpeedStudy, answers: &mut Vec<ClaimResult>) {
         answers.push(
             ClaimResult::to(&item(row, "numerics"))
                 .or("half-rise", lossless.half_rise)
-                .or("peak to peak", lossless.peak)
-                .or("peak to peak, over 13.5 half cells", lossless.peak_13_5)
-                .note("the paper names neither estimator nor distance"),
+                .note(format!(
+                    "the paper names neither estimator nor distance, and one reading serves all eight; peak to peak it is {:.1} m/s, over 13.5 half cells {:.1} m/s",
+                    lossless.peak, lossless.peak_13_5
+                )),
         );
         answers.push(
             ClaimResult::to(&item(row, "experiment"))
                 .or(&convention, with_dashpot.half_rise)
                 .or("half-rise, no losses", lossless.half_rise)
+                .or("half-rise, contacts that yield, no other losses", row.yielding.half_rise)
                 .note("the dashpot is the one that fits all eight measured speeds best"),
         );
     }
@@ -247,10 +262,10 @@ pub(super) fn answers(study: &SpeedStudy, answers: &mut Vec<ClaimResult>) {
         ClaimResult::to("speed_up")
             .plain("calculated, half-rise, mean of the four strikers", ratio(&|r| r.lossless.half_rise))
             .or("calculated, peak to peak", ratio(&|r| r.lossless.peak))
-            .or("the paper's own measured speeds, mean of the four strikers", ratio(&|r| r.paper.experiment_m_per_s))
             .note(format!(
-                "the paper's own calculated speeds give {:.0} %: the gain that it prints is that of its experiment",
-                100.0 * ratio(&|r| r.paper.numerics_m_per_s)
+                "the paper's own calculated speeds give {:.0} %, its measured ones {:.0} %: the gain that it prints is that of its experiment",
+                100.0 * ratio(&|r| r.paper.numerics_m_per_s),
+                100.0 * ratio(&|r| r.paper.experiment_m_per_s)
             )),
     );
 }

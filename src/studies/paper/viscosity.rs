@@ -1,6 +1,7 @@
 //! Effect of viscosity on the incoming shock of Fig. 10: the text says that its oscillations get
 //! faster.
 
+use super::dispersion::cell;
 use super::record::{ForceRecord, nothing};
 use super::strikers::SHOCK_PERIODS;
 use super::tables::with_dashpot;
@@ -12,6 +13,8 @@ use crate::scene::Scene;
 /// Dashpots that are tried (N s/m).
 const DASHPOTS: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
 const INCOMING: ForceLocation = ForceLocation::Inside(2);
+/// Records whose lines are told beside the periods (s).
+const LINE_RECORDS: [f64; 2] = [1.25e-3, 1.6e-3];
 /// The paper's measured frequency (Hz).
 const MEASURED_FREQUENCY: f64 = 12e3;
 
@@ -33,7 +36,7 @@ pub(super) fn answers(fitted: f64, found: &mut IntermediateResults) -> Result<()
         format!("; the measured 12 kHz would need {dashpot:.1} N s/m")
     });
     found.answers.extend([
-        ClaimResult::to("entrance_frequency").plain(convention, lossless),
+        ClaimResult::to("entrance_frequency").plain(convention, lossless).note(by_line(&scene)?),
         ClaimResult::to("entrance_frequency_measured")
             .plain(&format!("{convention}, without losses"), lossless)
             .or(
@@ -49,6 +52,26 @@ pub(super) fn answers(fitted: f64, found: &mut IntermediateResults) -> Result<()
     ]);
     found.viscosity = all;
     Ok(())
+}
+
+/// What the spectrum says instead: its highest line in the gap, by the length of the record.
+fn by_line(scene: &Scene) -> Result<String, PaperError> {
+    let record = ForceRecord::of(scene, &[INCOMING])?;
+    let (chain, _) = cell(scene, 2)?;
+    let [short, long] = LINE_RECORDS;
+    let line = |length: f64| {
+        let spectrum = record.spectrum(INCOMING, 0.0, length)?;
+        let highest = spectrum.highest_between(chain.gap_bottom(), chain.gap_top());
+        let (bin, _) = highest.ok_or_else(|| nothing(scene, "line in the gap"))?;
+        Ok::<_, PaperError>(1e-3 * spectrum.frequency(bin))
+    };
+    Ok(format!(
+        "the spectrum's highest line in the gap stands at {:.1} kHz in a record of {:.2} ms and at {:.1} kHz in one of {:.1} ms",
+        line(short)?,
+        1e3 * short,
+        line(long)?,
+        1e3 * long
+    ))
 }
 
 /// The dashpot at which the measured frequency would come out, between two that were tried (N s/m).
