@@ -6,7 +6,7 @@
 //! estimates. Source: JCGM 100:2008, 5.1.2 and 5.1.3. Valid where the result is nearly linear over
 //! the uncertainties, which [`super::monte_carlo`] checks.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::error::CalibrationError;
 use super::impact::Impact;
@@ -230,6 +230,12 @@ impl InputKind {
     fn is_impacts_own(self) -> bool {
         (Self::Incoming..=Self::Tail).contains(&self)
     }
+
+    /// Type of its evaluation by JCGM 100:2008, 4.2 and 4.3: A from series of readings, here the
+    /// records' samples and the scatter of impacts, or B by other means, here as the plan says.
+    pub fn evaluation(self) -> char {
+        if self >= Self::Baseline { 'A' } else { 'B' }
+    }
 }
 
 /// An input of the measurement equation.
@@ -292,6 +298,27 @@ pub struct BudgetLine {
     pub contribution: f64,
     /// Its share of the variance (1).
     pub share: f64,
+    /// Derivative of the sensitivity by the input, in V/N over its unit (unit).
+    #[serde(rename = "coefficient")]
+    pub coefficient: f64,
+    /// Its distribution.
+    pub distribution: &'static str,
+    /// Type of its evaluation, A or B.
+    #[serde(rename = "type")]
+    pub evaluation: char,
+    /// Degrees of freedom of its standard uncertainty; infinite where it counts as known. Those of
+    /// impacts' own inputs and of their scatter are the scatter's (1).
+    #[serde(rename = "degrees_of_freedom", serialize_with = "finite_or_null")]
+    pub freedom: f64,
+}
+
+/// Writes an infinite number as `null`, which JSON has.
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde's signature")]
+pub(super) fn finite_or_null<S: Serializer>(
+    number: &f64,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    Some(number).filter(|number| number.is_finite()).serialize(serializer)
 }
 
 /// One impact within the equation.
@@ -573,6 +600,10 @@ impl MeasurementEquation {
         let contributions = self.contributions(&is_uncertain, &|inputs| self.evaluate(inputs));
         let variance: f64 = contributions.iter().map(|part| part * part).sum();
         let inputs = self.inputs.iter().filter(|input| is_uncertain(input));
+        let is_from_scatter = |kind: InputKind| {
+            self.birge_ratio() > 1.0 && (kind.is_impacts_own() || kind == InputKind::Scatter)
+        };
+        let count = self.parts.len().max(2) as f64;
         let line = |(input, contribution): (&InputQuantity, f64)| BudgetLine {
             kind: input.kind,
             name: input.name(),
@@ -581,6 +612,10 @@ impl MeasurementEquation {
             unit: input.unit,
             contribution,
             share: contribution * contribution / variance,
+            coefficient: contribution / input.u,
+            distribution: if input.is_even { "rectangular" } else { "normal" },
+            evaluation: input.kind.evaluation(),
+            freedom: if is_from_scatter(input.kind) { count - 1.0 } else { f64::INFINITY },
         };
         inputs.zip(contributions).map(line).collect()
     }

@@ -4,8 +4,9 @@ use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use super::result::Calibration;
+use crate::numeric::intervals::normal_share;
 use crate::scene::hexadecimal;
-use crate::scene::plan::{CalibrationPlan, Particulars};
+use crate::scene::plan::{CalibrationPlan, DecisionRule, Particulars, Tolerance};
 
 /// A calibration with what identifies it: the content of a certificate. Names and units in its JSON
 /// are part of the interface.
@@ -62,6 +63,58 @@ impl CalibrationReport {
             result,
             contradictions,
         }
+    }
+}
+
+/// A statement of conformity with a tolerance.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Conformity {
+    /// Nominal value, tolerance and rule.
+    #[serde(flatten)]
+    pub tolerance: Tolerance,
+    /// Whether the sensitivity conforms.
+    pub verdict: Verdict,
+    /// Probability that the true sensitivity lies outside the tolerance, by a normal distribution
+    /// (1).
+    pub risk: f64,
+}
+
+/// Whether a value conforms by a decision rule.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// It conforms.
+    Pass,
+    /// It does not.
+    Fail,
+    /// Its interval contains an end of the tolerance: neither is shown.
+    NotShown,
+}
+
+impl CalibrationReport {
+    /// The statement of conformity, if the plan has a tolerance.
+    ///
+    /// By a guard band the difference from the nominal value must be at most the tolerance less the
+    /// expanded uncertainty; the risk of a wrong acceptance is then at most 2.5 %. By simple
+    /// acceptance it must be at most the tolerance, with a risk of up to 50 %. Source:
+    /// ILAC-G8:09/2019, 4.2.1 and 4.2.2.
+    pub fn conformity(&self) -> Option<Conformity> {
+        let tolerance = self.named.conformity?;
+        let (off, limit) = (self.result.sensitivity - tolerance.nominal, tolerance.tolerance);
+        let guard = match tolerance.rule {
+            DecisionRule::GuardBand => self.result.expanded,
+            DecisionRule::SimpleAcceptance => 0.0,
+        };
+        let verdict = if off.abs() + guard <= limit {
+            Verdict::Pass
+        } else if off.abs() > limit + guard {
+            Verdict::Fail
+        } else {
+            Verdict::NotShown
+        };
+        let beyond = |end: f64| normal_share(end / self.result.u);
+        let risk = beyond(-limit - off) + beyond(off - limit);
+        Some(Conformity { tolerance, verdict, risk })
     }
 }
 

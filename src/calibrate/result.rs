@@ -2,7 +2,9 @@
 
 use serde::{Serialize, Serializer};
 
-use super::equation::{BudgetLine, Common, InputKind, MeasurementEquation, StrikerMotion};
+use super::equation::{
+    BudgetLine, Common, InputKind, MeasurementEquation, StrikerMotion, finite_or_null,
+};
 use super::error::CalibrationError;
 use super::impact::Impact;
 use super::monte_carlo::{self, Draws, MonteCarlo};
@@ -124,7 +126,7 @@ pub struct Calibration {
     pub half_width: f64,
     /// Effective degrees of freedom of the other, normal part, by Welch and Satterthwaite; infinite
     /// where impacts scatter no more than their inputs explain (1).
-    #[serde(rename = "effective_degrees_of_freedom", serialize_with = "finite")]
+    #[serde(rename = "effective_degrees_of_freedom", serialize_with = "finite_or_null")]
     pub freedom: f64,
     /// Expanded uncertainty over the standard one (1).
     pub coverage_factor: f64,
@@ -177,11 +179,6 @@ pub struct Calibration {
     pub monte_carlo: Option<MonteCarlo>,
     /// Notes for the user.
     pub notes: Vec<String>,
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde's signature")]
-fn finite<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-    Some(number).filter(|number| number.is_finite()).serialize(serializer)
 }
 
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde's signature")]

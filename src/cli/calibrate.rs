@@ -19,6 +19,7 @@ use crate::files::{self, NewFolder};
 use crate::recording::mcap;
 use crate::report::calibration::page;
 use crate::report::calibration_design::design_page;
+use crate::report::dcc;
 use crate::report::certificate::{certificate, pictures};
 use crate::report::plot::{Theme, svg};
 use crate::report::{check_finite, to_json};
@@ -63,6 +64,9 @@ pub struct Arguments {
     /// Write certificate, JSON, pictures and the sensor's file into this folder
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
+    /// Write a digital calibration certificate (DCC 3.3.0) into this file
+    #[arg(long, value_name = "FILE.xml", conflicts_with = "simulate")]
+    dcc: Option<PathBuf>,
     /// Write a certificate although the plan's data contradict each other
     #[arg(long, conflicts_with = "simulate")]
     force: bool,
@@ -76,13 +80,21 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let Some(plan) = &arguments.plan else { return simulate(arguments) };
-    let mut plan = plan::load(plan)?;
+    let file = plan;
+    let mut plan = plan::load(file)?;
+    if arguments.dcc.is_some() {
+        dcc::check(&plan.particulars).with_context(|| file.display().to_string())?;
+    }
     acquire_impacts(&mut plan)?;
     let found = calibrate::run(&plan, &arguments.table.columns())?;
     check_finite(&found)?;
     let refused = !found.contradictions.is_empty() && !arguments.force;
     if let Some(folder) = arguments.output.as_ref().filter(|_| !refused) {
         write(folder, &found)?;
+    }
+    if let Some(file) = arguments.dcc.as_ref().filter(|_| !refused) {
+        let text = dcc::dcc(&found)?;
+        files::write(file, text).with_context(|| file.display().to_string())?;
     }
     super::show(&found, arguments.json, page)?;
     if refused {

@@ -6,6 +6,7 @@ pub mod calibration_design;
 pub mod certificate;
 mod comparison;
 mod contents;
+pub mod dcc;
 pub mod dispersion;
 mod effects;
 mod fit;

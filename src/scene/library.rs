@@ -2,7 +2,8 @@
 //! instruments' files.
 //!
 //! A name is looked up among the included files; a text with a path separator or ending in `.toml`
-//! is a file, relative to the one that names it.
+//! is a file, relative to the one that names it; so is one ending in `.xml`, a sensor's digital
+//! calibration certificate.
 
 use std::cell::RefCell;
 use std::fmt::Write as _;
@@ -13,6 +14,7 @@ use std::sync::{Arc, OnceLock};
 
 use sha2::{Digest, Sha256};
 
+use super::dcc;
 use super::document::{ANY, Entry, Node, SourceLocation, Value, at};
 use super::drive::read_samples;
 use super::problem::{Problem, SceneError, did_you_mean};
@@ -479,7 +481,8 @@ impl FoundFile {
 /// The file `name` of folder `kind`, or at a path relative to `folder`; `None` if there is none.
 fn find(kind: &str, name: &Path, folder: Option<&Path>) -> Result<Option<FoundFile>, SceneError> {
     let plain = name.to_str().filter(|name| {
-        !name.contains(['/', '\\']) && Path::new(name).extension().is_none_or(|e| e != "toml")
+        let extension = Path::new(name).extension();
+        !name.contains(['/', '\\']) && extension.is_none_or(|e| e != "toml" && e != "xml")
     });
     if let Some(name) = plain {
         return Ok(data::instrument(kind, name).map(|text| FoundFile {
@@ -490,7 +493,16 @@ fn find(kind: &str, name: &Path, folder: Option<&Path>) -> Result<Option<FoundFi
     }
     let path = folder.map_or_else(|| name.to_owned(), |folder| folder.join(name));
     let shown = path.display().to_string();
-    let text = read_text(&path, &shown)?;
+    let mut text = read_text(&path, &shown)?;
+    if kind == "sensors" && path.extension().is_some_and(|extension| extension == "xml") {
+        text = dcc::sensor_text(&text).map_err(
+            |dcc::Unusable { line, column, found, expected }| {
+                let (file, expected) = (shown.clone(), expected.to_owned());
+                let key = String::new();
+                SceneError::Problems(vec![Problem { file, line, column, key, found, expected }])
+            },
+        )?;
+    }
     Ok(Some(FoundFile { text, name: shown, path: Some(path) }))
 }
 

@@ -7,6 +7,7 @@
 
 pub mod adjust;
 mod bodies;
+pub mod dcc;
 mod distance;
 #[doc(hidden)]
 pub mod document;

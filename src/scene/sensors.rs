@@ -234,6 +234,20 @@ pub fn load(name: &str) -> Result<Option<Sensor>, SceneError> {
     problems.finish(sensor).map(Some).map_err(SceneError::Problems)
 }
 
+/// Loads the sensor whose name or file `key` of `table` names; `None` leaves a problem.
+pub(super) fn load_beside(table: &TableReader<'_>, key: &str, name: &str) -> Option<Sensor> {
+    let place = table.place_of(key);
+    match library::instrument("sensors", name, place, &table.path_of(key)) {
+        Ok(node) => {
+            sensor(name, &TableReader::of(&node, "", &[SensorKeys::KEYS], table.problems())?)
+        }
+        Err(found) => {
+            table.problems().extend(found);
+            None
+        }
+    }
+}
+
 /// The sensor itself, without its place.
 fn sensor(name: &str, table: &TableReader<'_>) -> Option<Sensor> {
     let keys = SensorKeys::read(table);

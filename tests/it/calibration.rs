@@ -2,6 +2,7 @@
 
 mod blind;
 mod command;
+mod dcc;
 mod droop;
 mod exclusions;
 mod impossible;

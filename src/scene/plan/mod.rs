@@ -12,9 +12,11 @@ use super::library;
 use super::problem::{MISSING, SceneError, one_of};
 use super::problems::Problems;
 use super::root::MAX_SEED;
+use super::sensors;
 use super::table::{Bound, Key, Places, TableReader, quantity};
 use super::table::{NamedTables, text, texts};
-use super::table::{any, count, flag, list_of, not_negative, positive, table, table_of, tables_of};
+use super::table::{any, count, difference, flag, list_of, not_negative, positive};
+use super::table::{table, table_of, tables_of, word, words};
 use serde::Serialize;
 
 use crate::quantity::{Difference, Dimension, Uncertain, parse};
@@ -45,6 +47,7 @@ table! {
         title: String = text(),
         laboratory: String = text(),
         customer: String = text(),
+        /// of the measurement: a day, or the first and the last, "2026-11-26 to 2026-11-27"
         date: String = text(),
         /// of impacts that name none
         channel: &'a str = text().or("CH1"),
@@ -63,6 +66,10 @@ table! {
         impacts: Vec<TableReader<'a>> = list_of(&[ImpactKeys::KEYS]),
         conditions: ConditionKeys<'a> = table_of(&[ConditionKeys::KEYS]),
         traceability: TraceKeys<'a> = table_of(&[TraceKeys::KEYS]),
+        certificate: CertificateKeys<'a> = table_of(&[CertificateKeys::KEYS]),
+        equipment: NamedTables<'a> = tables_of(&[EquipmentKeys::KEYS]),
+        conformity: ConformityKeys<'a> = table_of(&[ConformityKeys::KEYS]),
+        adjustment: AdjustmentKeys<'a> = table_of(&[AdjustmentKeys::KEYS]),
     }
 }
 
@@ -70,6 +77,8 @@ table! {
     /// `[sensor]`.
     pub struct ItemKeys<'a> {
         item: String = text().or(""),
+        serial: String = text(),
+        manufacturer: String = text(),
         /// the sensor's file: plate-7.toml
         name: String = text().or("sensor"),
         /// what it sits in: a scene with another host gets a note
@@ -131,6 +140,11 @@ table! {
     /// `[conditions]`.
     pub struct ConditionKeys<'a> {
         temperature: f64 = positive(Dimension::TEMPERATURE),
+        /// expanded uncertainty of it, or how far it varied: "0.5 K"
+        temperature_range: f64 = difference(Dimension::TEMPERATURE),
+        /// relative
+        humidity: f64 = quantity(Dimension::NONE, SHARE),
+        humidity_range: f64 = quantity(Dimension::NONE, SHARE),
     }
 }
 
@@ -140,6 +154,65 @@ table! {
         mass: String = text(),
         speed: String = text(),
         voltage: String = text(),
+    }
+}
+
+table! {
+    /// `[certificate]`: what identifies it and who answers for it.
+    pub struct CertificateKeys<'a> {
+        /// unique, on each page
+        number: String = text(),
+        /// ISO 3166-1 code of the laboratory's country
+        country: String = text(),
+        laboratory_address: String = text(),
+        customer_address: String = text(),
+        /// of the measurement; "customer", "laboratory branch", "customer branch" or "other"
+        place: Place = word::<Place>(),
+        /// if the laboratory's or the customer's address is not the place
+        place_address: String = text(),
+        /// day the item was received: "2026-11-20"
+        received: String = text(),
+        /// day of issue
+        issued: String = text(),
+        /// of the item as received
+        condition: String = text(),
+        /// deviations from the method, or "none"
+        deviations: String = text(),
+        /// who authorises the certificate
+        approved_by: String = text(),
+        function: String = text(),
+    }
+}
+
+table! {
+    /// `[equipment.NAME]`: a standard or an instrument that was used.
+    pub struct EquipmentKeys<'a> {
+        serial: String = text(),
+        /// of its own calibration
+        certificate: String = text(),
+    }
+}
+
+table! {
+    /// `[conformity]`: the tolerance that the sensitivity is compared with.
+    pub struct ConformityKeys<'a> {
+        nominal: f64 = positive(Dimension::VOLTAGE_PER_FORCE)
+            .required()
+            .needs("the nominal sensitivity, e.g. \"400 mV/N\""),
+        /// either way, or as a share: "3 %"
+        tolerance: &'a Node = any(&[]).needs("the tolerance, e.g. \"3 %\" or \"12 mV/N\""),
+        /// or "simple acceptance"
+        rule: DecisionRule = word::<DecisionRule>().or("guard band"),
+    }
+}
+
+table! {
+    /// `[adjustment]`: the sensor was adjusted before this calibration.
+    pub struct AdjustmentKeys<'a> {
+        /// what was done
+        work: String = text().required().needs("what was done, e.g. \"gain of the amplifier set\""),
+        /// result before it: a sensor's file or a digital certificate
+        before: &'a str = text().required().needs("a sensor's file or a digital certificate, e.g. \"before.xml\""),
     }
 }
 
@@ -191,6 +264,49 @@ const REBOUND: [(&str, SpeedMethod); 4] = [
     ("flight_time", SpeedMethod::FlightTime),
 ];
 
+words! {
+    Place {
+        "laboratory" => Laboratory,
+        "customer" => Customer,
+        "laboratory branch" => LaboratoryBranch,
+        "customer branch" => CustomerBranch,
+        "other" => Other,
+    }
+}
+
+/// Where a calibration was performed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Place {
+    /// In the laboratory.
+    Laboratory,
+    /// At the customer's.
+    Customer,
+    /// In a branch of the laboratory.
+    LaboratoryBranch,
+    /// In a branch of the customer's.
+    CustomerBranch,
+    /// Elsewhere.
+    Other,
+}
+
+words! {
+    DecisionRule {
+        "guard band" => GuardBand,
+        "simple acceptance" => SimpleAcceptance,
+    }
+}
+
+/// How a statement of conformity accounts for the uncertainty. Source: ILAC-G8:09/2019, 4.2.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DecisionRule {
+    /// Conforms if the value lies within the tolerance by at least its expanded uncertainty.
+    GuardBand,
+    /// Conforms if the value lies within the tolerance.
+    SimpleAcceptance,
+}
+
 /// How a speed was measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SpeedMethod {
@@ -225,6 +341,41 @@ pub struct PlannedImpact {
     pub window: Option<[f64; 2]>,
 }
 
+/// A standard or an instrument that was used.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Equipment {
+    /// Its name.
+    pub name: String,
+    /// Its serial number.
+    pub serial: Option<String>,
+    /// Certificate of its own calibration.
+    pub certificate: Option<String>,
+}
+
+/// The tolerance of a statement of conformity.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Tolerance {
+    /// Nominal sensitivity (V/N).
+    #[serde(rename = "nominal_v_per_n")]
+    pub nominal: f64,
+    /// Largest difference from it that is allowed (V/N).
+    #[serde(rename = "tolerance_v_per_n")]
+    pub tolerance: f64,
+    /// Decision rule.
+    pub rule: DecisionRule,
+}
+
+/// An adjustment before the calibration.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Adjustment {
+    /// What was done.
+    pub work: String,
+    /// File of the result before it, as typed.
+    pub file: String,
+    /// Sensitivity before it (V/N).
+    pub sensitivity: Uncertain,
+}
+
 /// Entries of the certificate that do not enter the calculation.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Particulars {
@@ -232,6 +383,10 @@ pub struct Particulars {
     pub title: String,
     /// The calibrated sensor.
     pub item: String,
+    /// Its serial number.
+    pub serial: Option<String>,
+    /// Its manufacturer.
+    pub manufacturer: Option<String>,
     /// Name of the sensor's file.
     pub sensor: String,
     /// Kind of body that the plate sat in, as scenes call it.
@@ -245,6 +400,13 @@ pub struct Particulars {
     /// Temperature of the room (K).
     #[serde(rename = "temperature_k")]
     pub temperature: Option<f64>,
+    /// Expanded uncertainty of the temperature, or how far it varied (K).
+    #[serde(rename = "temperature_range_k")]
+    pub temperature_range: Option<f64>,
+    /// Relative humidity (1).
+    pub humidity: Option<f64>,
+    /// Its expanded uncertainty, or how far it varied (1).
+    pub humidity_range: Option<f64>,
     /// Traceability of the mass.
     #[serde(rename = "traceability_mass")]
     pub mass_traceability: Option<String>,
@@ -254,6 +416,36 @@ pub struct Particulars {
     /// Traceability of the voltage.
     #[serde(rename = "traceability_voltage")]
     pub voltage_traceability: Option<String>,
+    /// Unique number of the certificate.
+    pub number: Option<String>,
+    /// ISO 3166-1 code of the laboratory's country.
+    pub country: Option<String>,
+    /// Address of the laboratory.
+    pub laboratory_address: Option<String>,
+    /// Address of the customer.
+    pub customer_address: Option<String>,
+    /// Where it was performed.
+    pub place: Option<Place>,
+    /// Address of that place.
+    pub place_address: Option<String>,
+    /// Day the item was received.
+    pub received: Option<String>,
+    /// Day of issue.
+    pub issued: Option<String>,
+    /// Condition of the item.
+    pub condition: Option<String>,
+    /// Deviations from the method.
+    pub deviations: Option<String>,
+    /// Who authorises the certificate.
+    pub approved_by: Option<String>,
+    /// That person's function.
+    pub function: Option<String>,
+    /// Standards and instruments.
+    pub equipment: Vec<Equipment>,
+    /// Tolerance of the sensitivity.
+    pub conformity: Option<Tolerance>,
+    /// Adjustment before the calibration.
+    pub adjustment: Option<Adjustment>,
 }
 
 /// A checked plan.
@@ -340,28 +532,11 @@ fn read(file: &Path, node: &Node, problems: &Problems) -> Option<CalibrationPlan
         root.problem("impacts", "no impacts", "at least one [[impacts]]");
     }
     (impacts.len() == tables.len()).then_some(())?;
-    let traced = keys.traceability;
-    let (mass, speed, voltage) =
-        traced.map_or((None, None, None), |keys| (keys.mass, keys.speed, keys.voltage));
-    let stem = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-    let item = keys.sensor?;
-    let particulars = Particulars {
-        title: keys.title.or(stem).unwrap_or_default(),
-        item: item.item?,
-        sensor: item.name?,
-        host: item.host,
-        date: keys.date,
-        laboratory: keys.laboratory,
-        customer: keys.customer,
-        temperature: keys.conditions.and_then(|keys| keys.temperature),
-        mass_traceability: mass,
-        speed_traceability: speed,
-        voltage_traceability: voltage,
-    };
+    let (seed, draws) = (keys.seed?, keys.draws?);
     Some(CalibrationPlan {
         file: file.to_owned(),
         text: node.place.text().to_string(),
-        particulars,
+        particulars: particulars(file, keys)?,
         gain: scope.gain,
         charge_amplifier: scope.charge_amplifier,
         load: scope.load,
@@ -372,9 +547,145 @@ fn read(file: &Path, node: &Node, problems: &Problems) -> Option<CalibrationPlan
         above: above?,
         strikers,
         impacts,
-        seed: keys.seed?,
-        draws: keys.draws?,
+        seed,
+        draws,
     })
+}
+
+/// What `keys` say for the certificate alone.
+fn particulars(file: &Path, keys: PlanKeys<'_>) -> Option<Particulars> {
+    let stem = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let item = keys.sensor?;
+    let equipment = |(name, table): &(&str, TableReader<'_>)| {
+        let EquipmentKeys { serial, certificate, .. } = EquipmentKeys::read(table);
+        Equipment { name: (*name).to_owned(), serial, certificate }
+    };
+    let mut particulars = Particulars {
+        title: keys.title.or(stem).unwrap_or_default(),
+        item: item.item?,
+        serial: item.serial,
+        manufacturer: item.manufacturer,
+        sensor: item.name?,
+        host: item.host,
+        date: keys.date,
+        laboratory: keys.laboratory,
+        customer: keys.customer,
+        equipment: keys.equipment.iter().flatten().map(equipment).collect(),
+        conformity: keys.conformity.as_ref().and_then(conformity),
+        adjustment: keys.adjustment.and_then(adjustment),
+        ..Particulars::default()
+    };
+    if let Some(keys) = keys.conditions {
+        particulars.temperature = keys.temperature;
+        particulars.temperature_range = keys.temperature_range;
+        particulars.humidity = keys.humidity;
+        particulars.humidity_range = keys.humidity_range;
+    }
+    if let Some(keys) = keys.traceability {
+        particulars.mass_traceability = keys.mass;
+        particulars.speed_traceability = keys.speed;
+        particulars.voltage_traceability = keys.voltage;
+    }
+    if let Some(keys) = keys.certificate {
+        for (key, day) in [("received", &keys.received), ("issued", &keys.issued)] {
+            if day.as_ref().is_some_and(|day| !is_day(day)) {
+                keys.table.problem(key, format!("\"{}\"", day.as_deref().unwrap_or("")), A_DAY);
+            }
+        }
+        if let Some(country) = keys.country.as_ref().filter(|code| !is_country(code)) {
+            let expected = "an ISO 3166-1 code in capitals, e.g. \"DE\"";
+            keys.table.problem("country", format!("\"{country}\""), expected);
+        }
+        particulars.number = keys.number;
+        particulars.country = keys.country;
+        particulars.laboratory_address = keys.laboratory_address;
+        particulars.customer_address = keys.customer_address;
+        particulars.place = keys.place;
+        particulars.place_address = keys.place_address;
+        particulars.received = keys.received;
+        particulars.issued = keys.issued;
+        particulars.condition = keys.condition;
+        particulars.deviations = keys.deviations;
+        particulars.approved_by = keys.approved_by;
+        particulars.function = keys.function;
+    }
+    Some(particulars)
+}
+
+/// Codes of ISO 3166-1.
+const COUNTRIES: &str = "AD AE AF AG AI AL AM AO AQ AR AS AT AU AW AX AZ BA BB BD BE BF BG BH BI BJ BL BM BN BO BQ BR BS BT BV BW BY BZ \
+    CA CC CD CF CG CH CI CK CL CM CN CO CR CU CV CW CX CY CZ DE DJ DK DM DO DZ EC EE EG EH ER ES ET FI FJ FK FM FO FR GA GB GD GE GF GG \
+    GH GI GL GM GN GP GQ GR GS GT GU GW GY HK HM HN HR HT HU ID IE IL IM IN IO IQ IR IS IT JE JM JO JP KE KG KH KI KM KN KP KR KW KY KZ \
+    LA LB LC LI LK LR LS LT LU LV LY MA MC MD ME MF MG MH MK ML MM MN MO MP MQ MR MS MT MU MV MW MX MY MZ NA NC NE NF NG NI NL NO NP NR \
+    NU NZ OM PA PE PF PG PH PK PL PM PN PR PS PT PW PY QA RE RO RS RU RW SA SB SC SD SE SG SH SI SJ SK SL SM SN SO SR SS ST SV SX SY SZ \
+    TC TD TF TG TH TJ TK TL TM TN TO TR TT TV TW TZ UA UG UM US UY UZ VA VC VE VG VI VN VU WF WS YE YT ZA ZM ZW";
+
+fn is_country(code: &str) -> bool {
+    COUNTRIES.split(' ').any(|known| known == code)
+}
+
+/// The expected form of a day.
+const A_DAY: &str = "a day of the calendar, e.g. \"2026-11-27\"";
+
+/// Whether `text` is a day of the Gregorian calendar in ISO 8601's form, year-month-day.
+fn is_day(text: &str) -> bool {
+    let bytes = text.as_bytes();
+    let is_form = bytes.len() == 10
+        && bytes.iter().enumerate().all(|(at, byte)| match at {
+            4 | 7 => *byte == b'-',
+            _ => byte.is_ascii_digit(),
+        });
+    if !is_form {
+        return false;
+    }
+    let number = |range: std::ops::Range<usize>| text[range].parse::<u32>().unwrap_or(0);
+    let (year, month, day) = (number(0..4), number(5..7), number(8..10));
+    let is_leap = year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
+    let days = match month {
+        2 => 28 + u32::from(is_leap),
+        4 | 6 | 9 | 11 => 30,
+        1..=12 => 31,
+        _ => 0,
+    };
+    year > 0 && (1..=days).contains(&day)
+}
+
+/// First and last day of a measurement that was typed as `2026-11-27` or `2026-11-26 to
+/// 2026-11-27`; none if it is anything else.
+pub fn days(date: &str) -> Option<[&str; 2]> {
+    let (first, last) = date.split_once(" to ").unwrap_or((date, date));
+    let [first, last] = [first, last].map(str::trim);
+    // Days in this form are in the order of their texts.
+    (is_day(first) && is_day(last) && first <= last).then_some([first, last])
+}
+
+/// `[conformity]`; `None` if it is wrong.
+fn conformity(keys: &ConformityKeys<'_>) -> Option<Tolerance> {
+    let expected = "the tolerance, e.g. \"3 %\" or \"12 mV/N\"";
+    let Some(node) = keys.tolerance else {
+        keys.table.missing("tolerance", expected);
+        return None;
+    };
+    let nominal = keys.nominal?;
+    let tolerance = difference_or_share(node, Dimension::VOLTAGE_PER_FORCE, nominal);
+    let Some(tolerance) = tolerance.filter(|tolerance| *tolerance > 0.0) else {
+        keys.table.problem("tolerance", node.describe(), expected);
+        return None;
+    };
+    Some(Tolerance { nominal, tolerance, rule: keys.rule? })
+}
+
+/// `[adjustment]` with the result that it names; `None` if it is wrong.
+fn adjustment(keys: AdjustmentKeys<'_>) -> Option<Adjustment> {
+    let (work, name) = (keys.work?, keys.before?);
+    let before = sensors::load_beside(&keys.table, "before", name)?.measured;
+    let Some((value, u)) = before.sensitivity.zip(before.sensitivity_u) else {
+        let found = format!("\"{name}\", without a sensitivity and its uncertainty");
+        keys.table.problem("before", found, "a calibrated sensor");
+        return None;
+    };
+    let sensitivity = Uncertain::normal(value, u * value);
+    Some(Adjustment { work, file: name.to_owned(), sensitivity })
 }
 
 /// `[scope]` of a plan.
@@ -547,22 +858,11 @@ fn uncertain(table: &TableReader<'_>, keys: &'static [Key], key: &str) -> Option
         table.missing(&uncertainty, expected);
         return None;
     };
-    let read: Option<Difference> = match &node.value {
-        Value::Number { value, .. } => {
-            Some(Difference { value: *value, dimension: Dimension::NONE })
-        }
-        Value::Text(text) => text.parse().ok(),
-        _ => None,
-    };
-    let u = match read.filter(|u| (0.0..f64::INFINITY).contains(&u.value)) {
-        Some(u) if u.dimension == dimension => u.value,
-        // A share needs its quantity.
-        Some(Difference { value: share, dimension: Dimension::NONE }) => share * value?,
-        _ => {
-            let expected = format!("{dimension} of zero or more, or a share, e.g. \"0.5 %\"");
-            table.problem(&uncertainty, node.describe(), expected);
-            return None;
-        }
+    // A share needs its quantity, whose absence has left its problem.
+    let Some(u) = difference_or_share(node, dimension, value.unwrap_or(1.0)) else {
+        let expected = format!("{dimension} of zero or more, or a share, e.g. \"0.5 %\"");
+        table.problem(&uncertainty, node.describe(), expected);
+        return None;
     };
     let quantity = Uncertain::normal(value?, u);
     if !quantity.is_known() {
@@ -571,4 +871,22 @@ fn uncertain(table: &TableReader<'_>, keys: &'static [Key], key: &str) -> Option
         return None;
     }
     Some(quantity)
+}
+
+/// A finite difference of zero or more, of `dimension`, or as a share of `value`; none for anything
+/// else (unit).
+fn difference_or_share(node: &Node, dimension: Dimension, value: f64) -> Option<f64> {
+    let read: Option<Difference> = match &node.value {
+        Value::Number { value, .. } => {
+            Some(Difference { value: *value, dimension: Dimension::NONE })
+        }
+        Value::Text(text) => text.parse().ok(),
+        _ => None,
+    };
+    let read = read.filter(|u| (0.0..f64::INFINITY).contains(&u.value))?;
+    match read.dimension {
+        found if found == dimension => Some(read.value),
+        Dimension::NONE => Some(read.value * value),
+        _ => None,
+    }
 }

@@ -5,16 +5,16 @@ use std::path::Path;
 use assert_cmd::Command;
 use serde_json::Value;
 
-fn hertzscope(folder: &Path, arguments: &[&str]) -> assert_cmd::assert::Assert {
+pub(super) fn hertzscope(folder: &Path, arguments: &[&str]) -> assert_cmd::assert::Assert {
     let mut command = Command::cargo_bin("hertzscope").expect("the program");
     command.current_dir(folder).args(arguments).assert()
 }
 
-fn out(done: &assert_cmd::assert::Assert) -> String {
+pub(super) fn out(done: &assert_cmd::assert::Assert) -> String {
     String::from_utf8_lossy(&done.get_output().stdout).into_owned()
 }
 
-fn refused(folder: &Path, arguments: &[&str]) -> String {
+pub(super) fn refused(folder: &Path, arguments: &[&str]) -> String {
     let done = hertzscope(folder, arguments).code(2);
     String::from_utf8_lossy(&done.get_output().stderr).into_owned()
 }
