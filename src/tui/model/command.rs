@@ -184,6 +184,11 @@ impl ScreenState {
     fn write(&mut self, file: &str) {
         let ending = file.rsplit_once('.').map(|(_, ending)| ending.to_ascii_lowercase());
         let known = ["mcap", "csv", "toml", "svg"];
+        if ending.as_deref() == Some("toml")
+            && let Some(live) = &mut self.recordings.front_mut().live
+        {
+            live.written = live.settings.clone();
+        }
         if ending.is_some_and(|ending| known.contains(&ending.as_str())) {
             self.requests.push(Request::Save(PathBuf::from(file)));
         } else {

@@ -35,6 +35,8 @@ pub struct LiveBench {
     pub(super) settings: TunedSettings,
     /// The settings that the bench took last.
     pub(super) good: TunedSettings,
+    /// The settings that were written to a scene's file last.
+    pub(super) written: TunedSettings,
     /// Place of the selected knob in [`BenchKnob::ALL`](super::knobs::BenchKnob::ALL).
     pub knob: usize,
     /// State of the acquisition.
@@ -55,6 +57,7 @@ impl LiveBench {
             base,
             settings: TunedSettings::new(),
             good: TunedSettings::new(),
+            written: TunedSettings::new(),
             knob: 0,
             acquisition: RunState::Running,
             asked: 0,

@@ -12,8 +12,9 @@ use crate::tui::keys::groups;
 
 /// Does what `action` asks.
 pub fn update(model: &mut ScreenState, action: Action) {
+    let mut was_asked = false;
     if !matches!(action, Action::Tick(_)) {
-        model.notice = None;
+        was_asked = model.notice.take().is_some_and(|notice| notice.ends_with(QUIT_QUESTION));
     }
     if let Some(page) = model.page
         && model.panel == Popup::Scope
@@ -23,7 +24,7 @@ pub fn update(model: &mut ScreenState, action: Action) {
     }
     match action {
         Action::Quit => model.running = false,
-        Action::Back => back(model),
+        Action::Back => back(model, was_asked),
         Action::Toggle(panel) => toggle(model, panel),
         Action::Scroll(turn) => scroll(model, turn),
         Action::Row(turn, rows) => move_row(model, turn, rows),
@@ -127,7 +128,11 @@ fn erase(model: &mut ScreenState) {
 }
 
 /// Closes what is open: a panel, then a page, then the side, then everything.
-fn back(model: &mut ScreenState) {
+/// How the question ends before a bench whose settings are not saved is left.
+const QUIT_QUESTION: &str = ":write FILE.toml saves them, Esc again quits";
+
+/// Closes what is open, at last the screen; `was_asked` after the question.
+fn back(model: &mut ScreenState, was_asked: bool) {
     if model.panel == Popup::Search {
         model.panel = Popup::Help;
         model.prompt.reset();
@@ -140,7 +145,13 @@ fn back(model: &mut ScreenState) {
     } else if model.side != SidePanel::Nothing {
         model.side = SidePanel::Nothing;
     } else {
-        model.running = false;
+        let live = model.recordings.front().live.as_ref();
+        let unsaved = live.is_some_and(|live| live.settings != live.written);
+        if unsaved && !was_asked {
+            model.notice = Some(format!("the bench's settings are not saved: {QUIT_QUESTION}"));
+        } else {
+            model.running = false;
+        }
     }
 }
 

@@ -23,6 +23,10 @@ use crate::tui::view::readout::compact;
 
 /// Eighths of a cell, from nothing to full.
 const EIGHTHS: [&str; 9] = [" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"];
+/// On top of a bar that the scale cuts.
+const BEYOND: &str = "▲";
+/// Share by which a force that is as large as the scale may exceed it (1).
+const ROUNDING: f64 = 1e-9;
 /// Tones of the stripes, from little to much force.
 const TONES: [&str; 5] = [" ", "·", "░", "▒", "█"];
 /// Rows of the page that are neither bars nor stripes.
@@ -137,6 +141,8 @@ impl<'a> Film<'a> {
 /// The scales of the film, for a thread: they need all of it.
 fn derive(model: &ScreenState) -> Option<DerivedPart> {
     let truth = model.shot()?.truth.clone();
+    let scene = model.recordings.front().scene.as_ref();
+    let has_striker = scene.is_none_or(|scene| scene.chain.has_striker());
     Some(Box::new(move |derived| {
         let contacts = numbered(&truth, contact);
         let mut dynamic: Vec<f64> = contacts.iter().map(|(_, trace)| largest(trace)).collect();
@@ -144,7 +150,10 @@ fn derive(model: &ScreenState) -> Option<DerivedPart> {
         let place = dynamic.len().saturating_sub(1 + dynamic.len() / OUTLIER_DIVISOR);
         let strongest = dynamic.get(place).copied().unwrap_or(0.0);
         let beads = numbered(&truth, body);
-        let farthest = beads.iter().skip(1).map(|(_, trace)| largest(trace)).fold(0.0, f64::max);
+        // A striker goes farther than all others.
+        let others = usize::from(beads.first().is_some_and(|(body, _)| *body == 0 && has_striker));
+        let farthest =
+            beads.iter().skip(others).map(|(_, trace)| largest(trace)).fold(0.0, f64::max);
         derived.film = Some(FilmScales { strongest, farthest });
     }))
 }
@@ -212,7 +221,7 @@ fn heading(
         Span::styled("Forces along the chain  ", bold),
         Span::raw(format!("t {} of {}  ", compact(now, "s", 4), compact(end, "s", 3))),
         Span::raw(format!(
-            "to +{}  {state}, {} ms/s",
+            "scale +{}, ▲ beyond  {state}, {} ms/s",
             compact(film.scales.strongest, "N", 3),
             model.play.speed
         )),
@@ -299,24 +308,21 @@ fn bars_of(model: &ScreenState, film: &Film, now: f64, area: Rect, frame: &mut F
         };
         let force = at(trace, now).unwrap_or(0.0).max(0.0);
         let height = force / top * f64::from(area.height) * 8.0;
+        let is_beyond = force > top * (1.0 + ROUNDING);
         for row in 0..area.height {
             let below = f64::from(area.height - 1 - row) * 8.0;
             let eighths = (height - below).round().clamp(0.0, 8.0) as usize;
             let place =
                 Rect { x: area.x + LABEL_COLUMNS + column, y: area.y + row, width: 1, height: 1 };
-            put(
-                frame.buffer_mut(),
-                place,
-                place.y,
-                EIGHTHS.get(eighths).copied().unwrap_or(" "),
-                style,
-            );
+            let sign = EIGHTHS.get(eighths).copied().unwrap_or(" ");
+            let sign = if is_beyond && row == 0 { BEYOND } else { sign };
+            put(frame.buffer_mut(), place, place.y, sign, style);
         }
     }
 }
 
 /// The beads: light ones small, those with a sensor numbered below; shifted to where they have
-/// moved, a cell for the farthest.
+/// moved where there is room, the farthest by a place less a cell.
 fn beads_of(model: &ScreenState, film: &Film, now: f64, area: Rect, frame: &mut Frame) {
     let width = area.width.saturating_sub(LABEL_COLUMNS);
     let count = film.beads.len();
@@ -326,9 +332,11 @@ fn beads_of(model: &ScreenState, film: &Film, now: f64, area: Rect, frame: &mut 
     for (place, (body, trace)) in film.beads.iter().enumerate() {
         let moved = at(trace, now).unwrap_or(0.0) - rest(trace);
         let (sign, style) = bead(model, *body, moved, farthest);
-        let x = area.x
-            + LABEL_COLUMNS
-            + u16::try_from(place * usize::from(width) / count.max(1)).unwrap_or(0);
+        let room = (usize::from(width) / count.max(1)).saturating_sub(1) as f64;
+        let share = if farthest > 0.0 { (moved / farthest).clamp(-1.0, 1.0) } else { 0.0 };
+        let rest = (place * usize::from(width) / count.max(1)) as f64;
+        let shifted = (rest + share * room).round().clamp(0.0, f64::from(width.max(1) - 1));
+        let x = area.x + LABEL_COLUMNS + shifted as u16;
         put(frame.buffer_mut(), Rect { x, width: 1, ..area }, area.y, sign, style);
     }
     let Some(scene) = model.recordings.front().scene.as_ref() else { return };

@@ -415,6 +415,29 @@ fn values_are_typed_completed_and_brought_back() {
     session.act(&[Action::Back]);
 }
 
+/// Esc once too often does not throw a bench away whose settings are in no file.
+#[test]
+fn a_bench_with_unsaved_settings_is_left_at_the_second_esc() {
+    let mut session = Session::bench("magnet-0.61g");
+    let set = |session: &mut Session, speed: &str| {
+        session.act(&[Action::Prompt("")]);
+        type_text(session, &format!("set striker.speed {speed}"));
+        session.act(&[Action::Submit]);
+    };
+    set(&mut session, "0.5 m/s");
+    session.act(&[Action::Back]);
+    let asked = session.model.notice.clone().expect("a question");
+    assert!(session.model.is_running() && asked.contains("not saved"), "{asked}");
+    // Anything else takes the question back.
+    session.act(&[Action::NextTrace(TurnDirection::Up), Action::Back]);
+    assert!(session.model.is_running());
+    session.act(&[Action::Back]);
+    assert!(!session.model.is_running());
+    let mut unchanged = Session::bench("magnet-0.61g");
+    unchanged.act(&[Action::Back]);
+    assert!(!unchanged.model.is_running());
+}
+
 #[test]
 fn acquisition_mode_and_averages_are_controls() {
     let mut session = Session::bench("magnet-0.61g");
