@@ -18,6 +18,8 @@ pub mod magnet;
 mod outlines;
 pub mod page;
 mod paper;
+#[cfg(feature = "png")]
+mod pdf;
 pub mod plot;
 #[cfg(feature = "png")]
 mod png;
@@ -43,6 +45,8 @@ pub use forces::{ForcePage, force_picture, forces};
 pub use hard_cases::{hard_cases, hard_cases_picture, hard_cases_table};
 pub use json::{ResultError, check_finite, to_json};
 pub use paper::{PaperPicture, paper, paper_parts, paper_pictures};
+#[cfg(feature = "png")]
+pub use pdf::{PdfError, pdf};
 #[cfg(feature = "png")]
 pub use png::{PngError, png};
 pub use screen::screen;
