@@ -109,16 +109,15 @@ fn procedure(report: &CalibrationReport) -> Vec<Entry> {
         with_range(named.temperature.map(celsius), named.temperature_range.map(kelvin));
     let whole = |share: f64| format!("{:.0} %", 100.0 * share);
     let humidity = with_range(named.humidity.map(whole), named.humidity_range.map(whole));
-    let load = match report.charge_amplifier_v_per_c {
-        Some(gain) => format!("a charge amplifier of {} mV/pC", 1e-9 * gain),
-        None => {
-            let parts = [
-                report.input_resistance_ohm.map(|ohm| engineering(ohm, "Ohm", 3)),
-                report.input_capacitance_f.map(|farad| engineering(farad, "F", 3)),
-            ];
-            let parts: Vec<String> = parts.into_iter().flatten().collect();
-            format!("{} at the scope's input", parts.join(" and "))
-        }
+    let load = if let Some(gain) = report.charge_amplifier_v_per_c {
+        format!("a charge amplifier of {} mV/pC", 1e-9 * gain)
+    } else {
+        let parts = [
+            report.input_resistance_ohm.map(|ohm| engineering(ohm, "Ohm", 3)),
+            report.input_capacitance_f.map(|farad| engineering(farad, "F", 3)),
+        ];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        format!("{} at the scope's input", parts.join(" and "))
     };
     let voltage =
         entry("voltage traceable to", named.voltage_traceability.clone(), "traceability.voltage");

@@ -57,7 +57,7 @@ pub use table::RowTable;
 pub use tunability::{TunabilityPage, transmitted, tunability, tunability_picture};
 pub use uncertainty::{
     bands_picture, budget_picture, normalised_error_parts, prediction_intervals, shot_picture,
-    uncertainty_budget,
+    uncertain_inputs, uncertainty_budget,
 };
 pub use work_precision::{WorkMeasure, work_precision, work_precision_picture};
 

@@ -235,20 +235,17 @@ fn file(
     glyphs: &BTreeMap<u16, char>,
 ) -> Vec<u8> {
     let unit = 1000.0 / f64::from(face.units_per_em());
-    let widths: String = glyphs
-        .keys()
-        .map(|glyph| {
-            let advance = face.glyph_hor_advance(ttf_parser::GlyphId(*glyph)).unwrap_or(0);
-            format!("{glyph} [{:.0}] ", unit * f64::from(advance))
-        })
-        .collect();
+    let width = |glyph: &u16| {
+        let advance = face.glyph_hor_advance(ttf_parser::GlyphId(*glyph)).unwrap_or(0);
+        format!("{glyph} [{:.0}]", unit * f64::from(advance))
+    };
+    let widths = glyphs.keys().map(width).collect::<Vec<_>>().join(" ");
     let named = |(glyph, character): (&u16, &char)| {
         let mut units = [0; 2];
-        let text: String =
-            character.encode_utf16(&mut units).iter().map(|unit| format!("{unit:04x}")).collect();
-        format!("<{glyph:04x}> <{text}>\n")
+        let units = character.encode_utf16(&mut units).iter().map(|unit| format!("{unit:04x}"));
+        format!("<{glyph:04x}> <{}>\n", units.collect::<Vec<_>>().concat())
     };
-    let names: String = glyphs.iter().map(named).collect();
+    let names = glyphs.iter().map(named).collect::<Vec<_>>().concat();
     let unicode = format!(
         "/CIDInit /ProcSet findresource begin 12 dict begin begincmap /CMapName /U def /CMapType 2 def\n\
          1 begincodespacerange <0000> <ffff> endcodespacerange\n{} beginbfchar\n{names}endbfchar\n\
@@ -290,7 +287,7 @@ fn file(
     let mut file = b"%PDF-1.7\n%\xe2\xe3\xcf\xd3\n".to_vec();
     let mut places = String::new();
     for (index, object) in objects.iter().enumerate() {
-        let _ = write!(places, "{:010} 00000 n \n", file.len());
+        let _ = writeln!(places, "{:010} 00000 n ", file.len());
         file.extend_from_slice(format!("{} 0 obj\n", index + 1).as_bytes());
         file.extend_from_slice(object);
         file.extend_from_slice(b"\nendobj\n");

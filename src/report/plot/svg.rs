@@ -99,7 +99,7 @@ impl Default for Style {
     }
 }
 
-/// Width of `text` in DejaVu Sans, the font of PNG and PDF, which is wider than most (pixels).
+/// Width of `text` in the font of PNG and PDF, `DejaVu Sans`, which is wider than most (pixels).
 fn text_width(text: &str) -> f64 {
     let share = |character: char| match character {
         'i' | 'j' | 'l' | '|' | '\'' | 'I' => 0.29,
@@ -415,10 +415,13 @@ impl Drawing<'_> {
         }
     }
 
-    /// Marks whose names are shown, each with its place (pixels).
+    /// Marks whose names are shown, from the left, each with its place (pixels).
     fn named_marks(panel: &Plot, w: f64) -> Vec<(f64, &str)> {
         let marks = panel.marks.iter().map(|(at, name)| (w * panel.x.share(*at), name.as_str()));
-        marks.filter(|(x, name)| (0.0..=w).contains(x) && !name.is_empty()).collect()
+        let shown = marks.filter(|(x, name)| (0.0..=w).contains(x) && !name.is_empty());
+        let mut shown: Vec<(f64, &str)> = shown.collect();
+        shown.sort_by(|a, b| a.0.total_cmp(&b.0));
+        shown
     }
 
     /// Names of the marks above the frame, where no data are, a row for each.
