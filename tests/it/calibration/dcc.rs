@@ -232,7 +232,7 @@ fn a_certificate_states_what_the_standard_asks_for() {
     let names = inputs.iter().map(|line| line["input"].as_str().expect("a name"));
     assert!(names.clone().count() > 30);
     for name in names {
-        let row = format!("<td class=\"l\">{}</td>", name);
+        let row = format!("<td class=\"l\">{name}</td>");
         assert!(html.contains(&row), "{row}");
     }
     // c u is what the budget adds up.
