@@ -411,11 +411,16 @@ fn notes(found: &Calibration, common: &Common, tail: Option<(f64, f64)>) -> Vec<
             found.levels
         ));
     }
-    let short = used.clone().filter_map(|i| i.impact.as_ref()).any(|i| i.pre_trigger < 0.2);
-    if short {
-        notes.push(
-            "a record has less than 20 % pre-trigger: its baseline is less certain".to_owned(),
-        );
+    let is_short = |impact: &&ImpactResult| {
+        impact.impact.as_ref().is_some_and(|impact| impact.pre_trigger < 0.2)
+    };
+    let short: Vec<String> =
+        used.clone().filter(is_short).map(|impact| impact.number.to_string()).collect();
+    if !short.is_empty() {
+        notes.push(format!(
+            "less than 20 % pre-trigger in the record of impact {}: its baseline is less certain",
+            short.join(", ")
+        ));
     }
     let mixed = used.filter_map(|i| i.impact.as_ref()).any(|i| i.negative != found.negative);
     if mixed {

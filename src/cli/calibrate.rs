@@ -9,6 +9,8 @@ use serde::Serialize;
 use super::AnswerIsNo;
 use super::acquire::one_shot;
 use super::input::TableArguments;
+use super::overwrite::OverwriteArguments;
+use super::picture::PictureArguments;
 use super::progress::JobProgress;
 use crate::calibrate::blind::{CalibrationCoverage, coverage};
 use crate::calibrate::design::{Designer, TestDesign};
@@ -20,7 +22,9 @@ use crate::recording::mcap;
 use crate::report::calibration::page;
 use crate::report::calibration_design::design_page;
 use crate::report::dcc;
-use crate::report::certificate::{certificate, pictures};
+use crate::report::certificate::{
+    SENSITIVITY_FILE, certificate, missing, pictures, sensitivity_picture,
+};
 use crate::report::plot::{Theme, svg};
 use crate::report::{check_finite, to_json};
 use crate::scene::plan::{self, CalibrationPlan, lab};
@@ -67,9 +71,11 @@ pub struct Arguments {
     /// Write a digital calibration certificate (DCC 3.3.0) into this file
     #[arg(long, value_name = "FILE.xml", conflicts_with = "simulate")]
     dcc: Option<PathBuf>,
-    /// Write a certificate although the plan's data contradict each other
+    /// Write a certificate although the plan's data contradict each other; replace a picture
     #[arg(long, conflicts_with = "simulate")]
     force: bool,
+    #[command(flatten)]
+    plot: PictureArguments,
     /// Print as JSON
     #[arg(long)]
     json: bool,
@@ -80,6 +86,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let Some(plan) = &arguments.plan else { return simulate(arguments) };
+    arguments.plot.check(OverwriteArguments::forced(arguments.force))?;
     let file = plan;
     let mut plan = plan::load(file)?;
     if arguments.dcc.is_some() {
@@ -91,6 +98,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let refused = !found.contradictions.is_empty() && !arguments.force;
     if let Some(folder) = arguments.output.as_ref().filter(|_| !refused) {
         write(folder, &found)?;
+    }
+    if !refused {
+        arguments.plot.save(&found, || sensitivity_picture(&found))?;
     }
     if let Some(file) = arguments.dcc.as_ref().filter(|_| !refused) {
         let text = dcc::dcc(&found)?;
@@ -108,7 +118,12 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         return Ok(());
     }
     if let Some(folder) = &arguments.output {
-        super::print(&format!("  certificate {}", folder.join("certificate.md").display()))?;
+        super::print(&format!("  certificate {}", folder.join("certificate.html").display()))?;
+        let missing = missing(&found);
+        if !missing.is_empty() {
+            let keys = missing.join(", ");
+            super::print(&format!("  it lacks    what ISO/IEC 17025, 7.8, asks for: {keys}"))?;
+        }
     }
     Ok(())
 }
@@ -211,6 +226,8 @@ fn write(folder: &Path, report: &CalibrationReport) -> anyhow::Result<()> {
         let new = NewFolder::replace(folder)?;
         let pictures =
             pictures.iter().map(|(name, sheet)| (name.clone(), svg(sheet, Theme::Light)));
+        let whole = svg(&sensitivity_picture(report), Theme::Light);
+        files::write(&new.join(SENSITIVITY_FILE), whole)?;
         for (name, text) in files.into_iter().chain(pictures) {
             files::write(&new.join(name), text)?;
         }

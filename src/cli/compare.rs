@@ -14,12 +14,13 @@ use super::input::{
 use super::overwrite::ending;
 use super::picture::PlotArguments;
 use super::progress::JobProgress;
+use super::provenance::Provenance;
 use crate::experiment::{self, Integration, facts};
 use crate::files;
 use crate::measurement::compare::mapping::Assignment;
 use crate::measurement::compare::score_limits::ScoreLimits;
 use crate::measurement::compare::{Align, Compared, ComparedShot, Comparison, compare};
-use crate::predict::{NormalisedError, judge, normalised_errors};
+use crate::predict::{NormalisedError, TraceBand, judge, normalised_errors};
 use crate::recording::format::{Format, open_shot};
 use crate::recording::tek_csv::TableColumns;
 use crate::recording::{TraceSet, mcap};
@@ -27,6 +28,7 @@ use crate::report;
 use crate::report::page::{self, Part, html, markdown};
 use crate::report::plot::{Theme, svg};
 use crate::scene::Scene;
+use crate::scene::random_inputs::RandomInput;
 
 /// Compare a measurement with a simulation: scores for each channel; exit code 1 where they exceed
 /// the tolerance
@@ -131,15 +133,20 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let how = (arguments.align.into(), arguments.map.as_slice());
     let limits = arguments.tolerance.clone().unwrap_or_default();
     let mut compared = compare(measured, simulated, how, &limits)?;
-    let errors = errors(arguments, &simulation, &mut compared)?;
+    let (errors, predicted) = errors(arguments, &simulation, &mut compared)?;
     fail_left_out(&arguments.sensor, &mut compared.comparison);
     let comparison = &compared.comparison;
     let scores = Scores { comparison, normalised_errors: errors };
     report::check_finite(&scores)?;
     let parts = |stem: &str| {
-        let mut parts = report::comparison_page(&compared, stem);
+        let mut parts = report::comparison_page(&compared, &predicted.bands, stem);
         parts.extend(report::normalised_error_parts(&scores.normalised_errors));
         parts
+    };
+    let provenance = Provenance {
+        measured: &arguments.measured,
+        scene: simulation.scene.as_ref(),
+        uncertain: (&predicted.inputs, "uncertain inputs of the scene, in the simulated intervals"),
     };
     let title = format!("{name} against {}", arguments.simulated);
     if let Some(file) = &arguments.output {
@@ -147,10 +154,12 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             let facts = report::comparison_facts(comparison);
             write_scores(file, &arguments.measured, &mut set, facts)?;
         } else {
-            write_document(file, &title, &parts)?;
+            let made_from = provenance.parts()?;
+            let document = |stem: &str| [parts(stem), made_from.clone()].concat();
+            write_document(file, &title, &document)?;
         }
     }
-    let picture = || page::picture(&title, &report::comparison_page(&compared, ""));
+    let picture = || page::picture(&title, &report::comparison_page(&compared, &predicted.bands, ""));
     arguments.plot.save(&scores, picture)?;
     super::show(&scores, arguments.json, |_| page::text(&parts("")))?;
     if comparison.failures.is_empty() { Ok(()) } else { Err(super::AnswerIsNo.into()) }
@@ -167,22 +176,30 @@ fn fail_left_out(sensors: &[SensorAssignment], comparison: &mut Comparison) {
     }
 }
 
-/// Normalised errors where the simulated side is a scene that states its uncertainty; without a
-/// tolerance they give the verdict.
+/// What a scene's uncertainty makes of its prediction.
+#[derive(Default)]
+struct Predicted {
+    inputs: Vec<RandomInput>,
+    bands: Vec<TraceBand>,
+}
+
+/// Normalised errors where the simulated side is a scene that states its uncertainty, and what they
+/// are from; without a tolerance they give the verdict.
 fn errors(
     arguments: &Arguments,
     simulation: &Simulation,
     compared: &mut Compared,
-) -> anyhow::Result<Vec<NormalisedError>> {
+) -> anyhow::Result<(Vec<NormalisedError>, Predicted)> {
     let is_uncertain = |scene: &Scene| !scene.uncertainty.is_empty();
     if !simulation.scene.as_ref().is_some_and(is_uncertain) {
-        return Ok(Vec::new());
+        return Ok((Vec::new(), Predicted::default()));
     }
     let predicted = arguments.draws.predict(&arguments.simulated, true, arguments.quiet)?;
-    Ok(match arguments.tolerance {
+    let errors = match arguments.tolerance {
         Some(_) => normalised_errors(compared, &predicted),
         None => judge(compared, &predicted),
-    })
+    };
+    Ok((errors, Predicted { inputs: predicted.inputs, bands: predicted.bands }))
 }
 
 /// The simulated side.

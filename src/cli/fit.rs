@@ -12,6 +12,7 @@ use super::input::{Selection, TableArguments, assignment, shot};
 use super::overwrite::ending;
 use super::picture::PlotArguments;
 use super::progress::JobProgress;
+use super::provenance::Provenance;
 use super::value::quantity;
 use crate::analysis::gate::Gate;
 use crate::files;
@@ -23,6 +24,7 @@ use crate::quantity::{Dimension, Quantity};
 use crate::report;
 use crate::report::page::{picture, text};
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
+use crate::scene::random_inputs::{RandomInput, RandomInputs};
 
 /// Fit parameters of a scene to measured traces, with uncertainties: least squares, sensor and
 /// scope included
@@ -171,7 +173,7 @@ fn run_fit(
     options: &FitOptions,
 ) -> anyhow::Result<()> {
     let number = arguments.selection.single();
-    let (scene, knobs) = freed(arguments, scene)?;
+    let (mut scene, knobs) = freed(arguments, scene)?;
     let mut set = arguments.table.open_shot(Path::new(measured), number)?;
     arguments.selection.keep_channels(&mut set)?;
     let shot = shot(&set, measured, number)?;
@@ -194,7 +196,16 @@ fn run_fit(
     }
     if let Some(file) = &arguments.report {
         let title = format!("{} fitted to {measured}", found.report.scene);
-        write_document(file, &title, &|stem| report::fit_page(&found, stem))?;
+        let whole = scene.scene()?;
+        let fixed = fixed(&mut scene, &knobs)?;
+        let provenance = Provenance {
+            measured: Path::new(measured),
+            scene: Some(&whole),
+            uncertain: (&fixed, FIXED),
+        };
+        let made_from = provenance.parts()?;
+        let document = |stem: &str| [report::fit_page(&found, stem), made_from.clone()].concat();
+        write_document(file, &title, &document)?;
     }
     let title = format!("{} fitted to {measured}", found.report.scene);
     arguments.plot.save(&found.report, || picture(&title, &report::fit_page(&found, "")))?;
@@ -203,6 +214,21 @@ fn run_fit(
         super::print(&format!("  scene    {}", file.display()))?;
     }
     if found.report.only_noise_is_left { Ok(()) } else { Err(AnswerIsNo.into()) }
+}
+
+/// What a table of fixed inputs is called.
+const FIXED: &str = "fixed values that the scene states as uncertain: the uncertainties above do not include them";
+
+/// Uncertain inputs of `scene` that are neither freed nor gains and zeros, which are always fitted.
+fn fixed(scene: &mut Adjustable, freed: &[AdjustableNumber]) -> anyhow::Result<Vec<RandomInput>> {
+    let mut inputs = RandomInputs::of(scene)?.list().to_vec();
+    let is_fitted = |name: &str| {
+        freed.iter().any(|number| number.path == name)
+            || ["gain of ", "zero of "].iter().any(|of| name.starts_with(of))
+            || name.ends_with(".sensitivity")
+    };
+    inputs.retain(|input| !is_fitted(&input.name));
+    Ok(inputs)
 }
 
 /// The fitted scene; digits two places beyond the uncertainty's.

@@ -10,6 +10,7 @@ mod overwrite;
 mod picture;
 mod plain_table;
 mod progress;
+mod provenance;
 mod saved;
 mod signal;
 mod value;

@@ -19,6 +19,11 @@ pub struct OverwriteArguments {
 }
 
 impl OverwriteArguments {
+    /// Of a command whose own `--force` means more.
+    pub fn forced(force: bool) -> Self {
+        Self { force }
+    }
+
     /// Whether all may be replaced.
     pub fn is_forced(self) -> bool {
         self.force

@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 
 use super::page::Part;
-use super::plot::{Plot, Series, Sheet, trace_points};
+use super::plot::{COLOURS, Plot, Series, Sheet, Stroke, trace_points};
 use super::table;
 use crate::measurement::compare::mapping::ASSUMED;
 use crate::measurement::compare::{ChannelScore, Compared, Comparison};
 use crate::numeric::intervals::NORMAL_95;
+use crate::predict::TraceBand;
 use crate::quantity::{Uncertain, engineering};
 
 fn signed(value: f64, unit: &str, digits: usize) -> String {
@@ -122,7 +123,8 @@ fn mapping(comparison: &Comparison) -> Vec<String> {
 }
 
 /// The comparison as a page; pictures are called `<stem>-CH1.svg` and `<stem>-CH1-difference.svg`.
-pub fn comparison_page(compared: &Compared, stem: &str) -> Vec<Part> {
+/// `bands` are those of the simulated channels.
+pub fn comparison_page(compared: &Compared, bands: &[TraceBand], stem: &str) -> Vec<Part> {
     let comparison = &compared.comparison;
     let mut parts = vec![
         Part::Heading(1, format!("{} against {}", comparison.measured, comparison.simulated)),
@@ -137,10 +139,11 @@ pub fn comparison_page(compared: &Compared, stem: &str) -> Vec<Part> {
     for (score, pair) in comparison.channels.iter().zip(&compared.pairs) {
         let name = &score.name;
         let title = format!("{name}: measured and simulated");
-        let simulated = Series::behind("simulated", trace_points(&pair.simulated));
-        let measured = trace_points(&pair.measured);
-        let measured_name = format!("{name}, measured");
-        let both = Plot::over_time([&measured_name, "V"], measured, vec![simulated]);
+        let band = bands.iter().find(|band| band.channel.eq_ignore_ascii_case(&score.against));
+        let area = band.map(|band| area(band, comparison.shift_s));
+        let simulated = trace_points(&pair.simulated);
+        let both =
+            measured_over(name, trace_points(&pair.measured), area, ("simulated", simulated));
         let both = Sheet::stack(title.as_str(), vec![both]);
         let residual = trace_points(&pair.residual());
         let shown = format!("{name}: measured minus simulated");
@@ -151,6 +154,31 @@ pub fn comparison_page(compared: &Compared, stem: &str) -> Vec<Part> {
     }
     parts.push(Part::List("note", mapping(comparison)));
     parts
+}
+
+/// The band of a simulated channel, shifted as its trace is (s).
+fn area(band: &TraceBand, shift: f64) -> Series {
+    let points = |values: &[f64]| -> Vec<(f64, f64)> {
+        let time = |index: usize| band.start_s + shift + index as f64 * band.interval_s;
+        values.iter().enumerate().map(|(index, volts)| (time(index), *volts)).collect()
+    };
+    Series::area("95 % of simulated", &points(&band.low_v), &points(&band.high_v))
+}
+
+/// A measured trace over a calculated one with its name, both in the legend.
+pub(super) fn measured_over(
+    channel: &str,
+    measured: Vec<(f64, f64)>,
+    area: Option<Series>,
+    (name, calculated): (&str, Vec<(f64, f64)>),
+) -> Plot {
+    let calculated = Series::new(name, calculated, COLOURS[1], Stroke::Solid);
+    let behind = area.into_iter().chain([calculated]).collect();
+    let mut plot = Plot::over_time([channel, "V"], measured, behind);
+    if let Some(line) = plot.lines.last_mut() {
+        "measured".clone_into(&mut line.name);
+    }
+    plot
 }
 
 /// The comparison as facts for a recording's metadata: `hertzscope:comparison`, and a group a

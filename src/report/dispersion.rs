@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use serde::{Serialize, Serializer};
 
-use super::plot::{Plot, Series, Sheet, Stroke, terminal};
+use super::plot::{Axis, COLOURS, Plot, Series, Sheet, Stroke, terminal};
 use super::spectrum::band_edges;
 use super::table;
 use crate::analysis::dispersion::DiatomicChain;
@@ -211,21 +211,31 @@ impl BandsPage {
         format!("{}, around particle {}", self.scene, self.particle)
     }
 
-    /// The gap's lower edge over the preload, or without a gap the cut-off.
+    /// The band edges over the preload, with the gap between them.
     pub fn plot(&self) -> Plot {
         let rows = self.chains();
-        let has_gap = rows.iter().all(|(_, chain)| chain.has_gap());
-        let edge =
-            |chain: &DiatomicChain| if has_gap { chain.gap_bottom() } else { chain.cutoff() };
-        let name = if has_gap {
-            "f1, the gap's lower edge; f2 and f3 are in proportion"
-        } else {
-            "f3, the cut-off; equal particles leave no gap"
+        let points = |edge: fn(&DiatomicChain) -> f64| -> Vec<(f64, f64)> {
+            rows.iter().map(|(force, chain)| (*force, edge(chain))).collect()
         };
-        let points = rows.iter().map(|(force, chain)| (*force, edge(chain))).collect();
+        let cutoff = points(DiatomicChain::cutoff);
+        let lines = if rows.iter().all(|(_, chain)| chain.has_gap()) {
+            let [low, high] = [points(DiatomicChain::gap_bottom), points(DiatomicChain::gap_top)];
+            vec![
+                Series::area("gap", &low, &high),
+                Series::new("f3", cutoff, COLOURS[2], Stroke::Solid),
+                Series::new("f2", high, COLOURS[1], Stroke::Solid),
+                Series { name: "f1".to_owned(), ..Series::main(low) },
+            ]
+        } else {
+            vec![Series { name: "f3, no gap: equal particles".to_owned(), ..Series::main(cutoff) }]
+        };
         let now = format!("the scene's preload: {}", engineering(self.preload, "N", 4));
-        Plot::fitted(["preload", "N"], [name, "Hz"], vec![Series::main(points)])
-            .with_marks(vec![(self.preload, now)])
+        let (from, to) = rows.first().zip(rows.last()).map_or((0.0, 1.0), |(a, b)| (a.0, b.0));
+        let plot = Plot::fitted(["preload", "N"], ["frequency", "Hz"], lines);
+        // Rows are at equal ratios.
+        let x =
+            if from > 0.0 { Axis::logarithmic("preload (N)", from, to) } else { plot.x.clone() };
+        Plot { x, ..plot }.with_marks(vec![(self.preload, now)])
     }
 
     /// The picture.

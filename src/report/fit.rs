@@ -1,7 +1,8 @@
 //! A fit as a page with pictures; blind fits as a page of text.
 
+use super::comparison::measured_over;
 use super::page::Part;
-use super::plot::{Plot, Series, Sheet};
+use super::plot::{Plot, Sheet};
 use super::table;
 use super::table::{decimals, plus_minus};
 use crate::fit::blind::BlindFits;
@@ -123,9 +124,9 @@ pub fn fit_page(fit: &Fit, stem: &str) -> Vec<Part> {
             values.enumerate().map(|(index, volts)| (time(index), volts)).collect()
         };
         let title = format!("{name}: measured and fitted");
-        let fitted = Series::behind("fitted", points(&mut shown.iter().copied()));
+        let fitted = points(&mut shown.iter().copied());
         let measured = points(&mut record.volts.iter().copied());
-        let both = Plot::over_time([&format!("{name}, measured"), "V"], measured, vec![fitted]);
+        let both = measured_over(name, measured, None, ("fitted", fitted));
         let both = Sheet::stack(title.as_str(), vec![both]);
         let what = format!("{name}: measured minus fitted");
         let left = record.volts.iter().zip(shown).zip(&record.counts);

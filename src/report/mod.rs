@@ -18,6 +18,8 @@ pub mod magnet;
 mod outlines;
 pub mod page;
 mod paper;
+#[cfg(feature = "png")]
+mod pdf;
 pub mod plot;
 #[cfg(feature = "png")]
 mod png;
@@ -44,6 +46,8 @@ pub use hard_cases::{hard_cases, hard_cases_picture, hard_cases_table};
 pub use json::{ResultError, check_finite, to_json};
 pub use paper::{PaperPicture, paper, paper_parts, paper_pictures};
 #[cfg(feature = "png")]
+pub use pdf::{PdfError, pdf};
+#[cfg(feature = "png")]
 pub use png::{PngError, png};
 pub use screen::screen;
 pub use statistics::{statistics, statistics_table};
@@ -53,7 +57,7 @@ pub use table::RowTable;
 pub use tunability::{TunabilityPage, transmitted, tunability, tunability_picture};
 pub use uncertainty::{
     bands_picture, budget_picture, normalised_error_parts, prediction_intervals, shot_picture,
-    uncertainty_budget,
+    uncertain_inputs, uncertainty_budget,
 };
 pub use work_precision::{WorkMeasure, work_precision, work_precision_picture};
 

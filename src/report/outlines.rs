@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
 /// Font of all text; `assets/fonts/LICENSE` says which characters it holds.
-const FONT: &[u8] = include_bytes!("../../assets/fonts/DejaVuSans.ttf");
+pub(super) const FONT: &[u8] = include_bytes!("../../assets/fonts/DejaVuSans.ttf");
 /// Size of text where neither the text nor the picture names one, as in CSS (pixels).
 const DEFAULT_SIZE: f32 = 16.0;
 

@@ -4,9 +4,12 @@
 use std::fmt::Write as _;
 
 use super::escape;
-use super::plot::{Sheet, Theme, svg};
+use super::plot::{Sheet, Theme, svg, with_minus_signs};
 use super::table;
 use crate::quantity::printable_line;
+
+/// Frames narrower than this are side by side in HTML (pixels).
+const NARROW: f64 = 400.0;
 
 /// A part of a page.
 #[derive(Debug, Clone, PartialEq)]
@@ -121,6 +124,7 @@ fn link(file: &str) -> String {
 
 /// `parts` as a page of HTML, pictures included.
 pub fn html(title: &str, parts: &[Part]) -> String {
+    let escape = |text: &str| escape(&with_minus_signs(text));
     let mut body = String::new();
     for part in parts {
         let _ = match part {
@@ -137,31 +141,44 @@ pub fn html(title: &str, parts: &[Part]) -> String {
                     .concat();
                 writeln!(body, "<ul>\n{items}</ul>")
             }
-            Part::Table(rows, _) => {
-                let line = |(index, row): (usize, &Vec<String>)| {
-                    let tag = if index == 0 { "th" } else { "td" };
-                    let cells = row
-                        .iter()
-                        .map(|c| format!("<{tag}>{}</{tag}>", escape(c)))
-                        .collect::<Vec<_>>()
-                        .concat();
-                    format!("<tr>{cells}</tr>\n")
+            Part::Table(rows, left) => {
+                let line = |tag: &str, row: &Vec<String>| {
+                    let cell = |(column, text): (usize, &String)| {
+                        let class = if left.contains(&column) { " class=\"l\"" } else { "" };
+                        format!("<{tag}{class}>{}</{tag}>", escape(text))
+                    };
+                    format!("<tr>{}</tr>\n", row.iter().enumerate().map(cell).collect::<String>())
                 };
-                let lines: String = rows.iter().enumerate().map(line).collect();
-                writeln!(body, "<table>\n{lines}</table>")
+                let head = rows.first().filter(|row| row.iter().any(|cell| !cell.is_empty()));
+                let head = head
+                    .map_or(String::new(), |row| format!("<thead>{}</thead>\n", line("th", row)));
+                let lines: String = rows.iter().skip(1).map(|row| line("td", row)).collect();
+                writeln!(body, "<table>\n{head}<tbody>{lines}</tbody>\n</table>")
             }
             Part::Picture(_, shown, sheet) => {
                 let (svg, shown) = (svg(sheet, Theme::Light), escape(shown));
-                writeln!(body, "<figure>\n{svg}<figcaption>{shown}</figcaption>\n</figure>")
+                // Narrow ones are side by side.
+                let is_narrow = sheet.columns == 1 && sheet.size.0 < NARROW;
+                let class = if is_narrow { " class=\"n\"" } else { "" };
+                writeln!(body, "<figure{class}>\n{svg}<figcaption>{shown}</figcaption>\n</figure>")
             }
         };
     }
+    // Text between the quotes of CSS in HTML: no quote, no backslash, no line end, no tag.
+    let foot = printable_line(title).replace(['"', '\\', '<'], "'");
+    let title = escape(title);
     format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{}</title>\n<style>\n\
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}</title>\n<style>\n\
          body {{ font-family: sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; }}\n\
-         table {{ border-collapse: collapse; }} th, td {{ border: 1px solid #c0c0c0; padding: 0.2em 0.6em; text-align: left; }}\n\
-         figure {{ margin: 1em 0; }} td {{ overflow-wrap: anywhere; }}\n\
-         </style>\n</head>\n<body>\n{body}</body>\n</html>\n",
-        escape(title)
+         table {{ border-collapse: collapse; }} th, td {{ border: 1px solid #c0c0c0; padding: 0.2em 0.6em; text-align: right; }}\n\
+         .l {{ text-align: left; }} td.l:first-child {{ white-space: nowrap; width: 1%; }}\n\
+         .n {{ display: inline-block; width: 49%; margin: 0; vertical-align: top; }} figure {{ margin: 0.5em 0; }} figcaption {{ font-size: 85%; }} td {{ overflow-wrap: anywhere; }}\n\
+         @page {{ size: A4; margin: 18mm 16mm 20mm;\n\
+         @bottom-left {{ content: \"{foot}\"; font: 8pt sans-serif; }}\n\
+         @bottom-right {{ content: \"page \" counter(page) \" of \" counter(pages); font: 8pt sans-serif; }} }}\n\
+         @media print {{ body {{ font-size: 9pt; max-width: none; margin: 0; padding: 0; }} table {{ font-size: 8pt; width: 100%; }}\n\
+         h1 {{ font-size: 16pt; }} h2 {{ font-size: 11pt; break-after: avoid; }} thead {{ display: table-header-group; }}\n\
+         tr, figure {{ break-inside: avoid; }} figcaption {{ font-size: 7pt; }} }}\n\
+         </style>\n</head>\n<body>\n{body}</body>\n</html>\n"
     )
 }

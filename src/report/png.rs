@@ -1,13 +1,18 @@
-//! Pictures as PNG: SVG drawn at twice its size, its text with the program's own font, so that they
-//! look alike on every machine.
+//! Pictures as PNG: SVG drawn at twice its size, or with 600 dots per inch if its size is in
+//! millimetres; its text with the program's own font, so that they look alike on every machine.
 
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
 
 use super::outlines::outline_text;
 
-/// Dots to a unit of the SVG (1).
-const PIXELS_PER_UNIT: f32 = 2.0;
+/// Dots to a pixel of the SVG, 1/96 inch, of a picture with a size on paper and of others (1).
+const DOTS_ON_PAPER: f32 = 6.25;
+const DOTS: f32 = 2.0;
+/// Pixels of an SVG to a metre.
+const PIXELS_PER_METRE: f32 = 96.0 / 0.0254;
+/// Length of a PNG's signature and first chunk (bytes).
+const HEADER_BYTES: usize = 33;
 
 /// Why a picture could not be drawn: mistakes of whatever made the SVG.
 #[derive(Debug, thiserror::Error)]
@@ -32,16 +37,28 @@ pub enum PngError {
 /// [`PngError`] where `svg` is not valid SVG.
 pub fn png(svg: &str) -> Result<Vec<u8>, PngError> {
     let tree = Tree::from_str(&outline_text(svg)?, &Options::default())?;
-    let size = tree.size().to_int_size();
-    let size = size.scale_by(PIXELS_PER_UNIT).unwrap_or(size);
+    let has_paper = svg.split_once('>').is_some_and(|(root, _)| root.contains("mm\""));
+    let dots = if has_paper { DOTS_ON_PAPER } else { DOTS };
+    let size = tree.size();
+    let whole = size.to_int_size();
+    let size = size.scale_by(dots).map_or(whole, |size| size.to_int_size());
     let pixmap = Pixmap::new(size.width(), size.height());
     let mut pixmap = pixmap.ok_or(PngError::Size(size.width(), size.height()))?;
-    resvg::render(
-        &tree,
-        Transform::from_scale(PIXELS_PER_UNIT, PIXELS_PER_UNIT),
-        &mut pixmap.as_mut(),
-    );
-    pixmap.encode_png().map_err(|error| PngError::Encoding(error.to_string()))
+    resvg::render(&tree, Transform::from_scale(dots, dots), &mut pixmap.as_mut());
+    let mut file = pixmap.encode_png().map_err(|error| PngError::Encoding(error.to_string()))?;
+    let density = (dots * PIXELS_PER_METRE).round() as u32;
+    file.splice(HEADER_BYTES..HEADER_BYTES, physical_size(density));
+    Ok(file)
+}
+
+/// The chunk `pHYs` with `density` dots to a metre both ways (PNG, third edition, 11.3.4.3).
+fn physical_size(density: u32) -> Vec<u8> {
+    let mut chunk = b"pHYs".to_vec();
+    chunk.extend([density.to_be_bytes(), density.to_be_bytes()].concat());
+    chunk.push(1);
+    let length = (chunk.len() as u32 - 4).to_be_bytes();
+    let sum = crc32fast::hash(&chunk).to_be_bytes();
+    [&length[..], &chunk, &sum].concat()
 }
 
 #[cfg(test)]

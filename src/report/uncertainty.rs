@@ -11,6 +11,7 @@ use crate::predict::{
 };
 use crate::quantity::{Dimension, Uncertain, engineering};
 use crate::recording::{Capture, Shot};
+use crate::scene::random_inputs::RandomInput;
 use crate::trace::Trace;
 
 /// Inputs with a smaller share than this are counted together (1).
@@ -83,6 +84,16 @@ pub fn uncertainty_budget(found: &UncertainPrediction) -> String {
     }
     lines.push(format!("  computed in {}", engineering(found.wall_s, "s", 2)));
     lines.join("\n")
+}
+
+/// The uncertain inputs of a scene as a table: value, standard uncertainty, source.
+pub fn uncertain_inputs(inputs: &[RandomInput]) -> Vec<Vec<String>> {
+    let row = |input: &RandomInput| {
+        let number = |value: f64, digits| in_unit(value, &input.unit, digits);
+        let source = input.source.clone().unwrap_or_else(|| "not stated".to_owned());
+        vec![input.name.clone(), number(input.value, 4), number(input.u, 3), source]
+    };
+    table::titled(["input", "value", "u", "source"], inputs.iter().map(row))
 }
 
 /// A value with so many digits, with a prefix of the unit that its dimension has in the SI.
@@ -236,7 +247,6 @@ fn moves_to_agree(error: &NormalisedError) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::random_inputs::RandomInput;
 
     /// Half, a quarter, and a quarter that is not linear: together 100 %.
     #[test]

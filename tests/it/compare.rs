@@ -72,7 +72,28 @@ fn a_recording_is_itself_through_csv() {
     assert_eq!(html.matches("<svg").count(), 8, "two pictures a channel");
     let markdown = std::fs::read_to_string(&text).expect("a page");
     assert!(markdown.contains("![CH1: measured minus simulated](report-CH1-difference.svg)"));
+    for part in ["Made from", "date (UTC)", "hertzscope 0.", "measurement, SHA-256"] {
+        assert!(html.contains(part) && markdown.contains(part), "{part}");
+    }
     assert!(folder.path().join("report-CH4.svg").exists());
+}
+
+/// A report on a scene with uncertain inputs has them, and the band of the simulated traces.
+#[test]
+fn reports_have_bands_and_the_scenes_uncertainties() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let page = folder.path().join("report.html").display().to_string();
+    let arguments = ["compare", RECORDING, "magnet-0.61g", "--samples", "20", "-q", "-o", &page];
+    // Another experiment: the forces differ.
+    hertzscope(&arguments).assert().code(1);
+    let html = std::fs::read_to_string(&page).expect("a report");
+    assert_eq!(html.matches(">95 % of simulated<").count(), 4, "a band a channel");
+    let scene = Scene::load("magnet-0.61g").expect("a shipped scene");
+    for part in
+        ["uncertain inputs of the scene", "striker.speed", "gain of CH1", scene.texts.hash()]
+    {
+        assert!(html.contains(part), "{part}");
+    }
 }
 
 fn lossy(base: &str) -> Scene {

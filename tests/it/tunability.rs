@@ -168,7 +168,7 @@ fn maps_show_edges_and_speeds() {
         "speed (m/s)",
         "long waves, linear",
         "f3",
-        "-60 dB",
+        "−60 dB",
     ] {
         assert!(svg.contains(words), "{words}");
     }

@@ -6,7 +6,7 @@
 mod svg;
 mod terminal;
 
-pub use svg::{Theme, svg};
+pub use svg::{Style, Theme, svg, svg_in_style, with_minus_signs};
 pub use terminal::terminal;
 
 use crate::quantity::engineering;

@@ -6,14 +6,32 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use super::{Plot, Series, Sheet, Stroke};
 use crate::report::escape;
 
-/// Room around a panel's frame: left, right, above, below (pixels).
-const MARGINS: (f64, f64, f64, f64) = (74.0, 34.0, 30.0, 50.0);
+/// Room above and below a panel's frame (pixels).
+const ABOVE: f64 = 14.0;
+const BELOW: f64 = 50.0;
+/// Room right of a frame without words beside it (pixels).
+const RIGHT: f64 = 20.0;
 /// Room above all panels for the title (pixels).
-const TITLE_HEIGHT: f64 = 34.0;
+const TITLE_HEIGHT: f64 = 30.0;
 /// Height of a line of text (pixels).
 const LINE_HEIGHT: f64 = 16.0;
-/// Estimated width of a character (pixels).
-const CHARACTER_WIDTH: f64 = 7.0;
+/// Size of text and of the title (pixels).
+const FONT_SIZE: f64 = 12.0;
+const TITLE_SIZE: f64 = 15.0;
+/// Size of text where none is asked for, 12 pixels of 1/96 inch, in points (1).
+const DEFAULT_POINTS: f64 = 9.0;
+/// A point (m): 1/72 inch.
+const POINT: f64 = 0.0254 / 72.0;
+/// Height of a frame over its width where the width is asked for (1).
+const ASPECT: f64 = 0.62;
+/// Narrowest frame (pixels).
+const MIN_FRAME: f64 = 120.0;
+/// Length of ticks with and without a name (pixels).
+const TICKS: (f64, f64) = (5.0, 3.0);
+/// Length of a piece of a series in a legend with the gap behind it (pixels).
+const SAMPLE: f64 = 26.0;
+/// Gap between two entries of a legend (pixels).
+const LEGEND_GAP: f64 = 14.0;
 /// Width of the bar of a map's colours (pixels), and its steps.
 const COLOUR_BAR_WIDTH: f64 = 100.0;
 const COLOUR_BAR_STEPS: u32 = 20;
@@ -64,6 +82,50 @@ impl Theme {
     }
 }
 
+/// How a sheet is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Style {
+    /// Colours.
+    pub theme: Theme,
+    /// Width of the whole picture; none for that of the sheet (m).
+    pub width: Option<f64>,
+    /// Size of its text in points, 1/72 inch (1).
+    pub font_size: f64,
+}
+
+impl Default for Style {
+    fn default() -> Self {
+        Self { theme: Theme::default(), width: None, font_size: DEFAULT_POINTS }
+    }
+}
+
+/// Width of `text` in the font of PNG and PDF, `DejaVu Sans`, which is wider than most (pixels).
+fn text_width(text: &str) -> f64 {
+    let share = |character: char| match character {
+        'i' | 'j' | 'l' | '|' | '\'' | 'I' => 0.29,
+        '.' | ',' | ' ' | ':' | ';' | '!' => 0.33,
+        'f' | 't' | 'r' | '(' | ')' | '/' | '-' => 0.40,
+        'm' | 'w' | 'M' | 'W' | '%' | '@' => 0.97,
+        '+' | '=' | '<' | '>' | '±' | '−' | '∞' | '≤' | '≥' => 0.84,
+        'A'..='Z' => 0.72,
+        _ => 0.64,
+    };
+    FONT_SIZE * text.chars().map(share).sum::<f64>()
+}
+
+/// `text` with U+2212 for each hyphen that is the sign of a number.
+pub fn with_minus_signs(text: &str) -> String {
+    let characters: Vec<char> = text.chars().collect();
+    let at = |index: usize| characters.get(index).copied().unwrap_or(' ');
+    let is_sign = |index: usize| {
+        let before = index.checked_sub(1).map_or(' ', at);
+        let is_exponent = before == 'e' && index >= 2 && at(index - 2).is_ascii_digit();
+        at(index + 1).is_ascii_digit() && (is_exponent || matches!(before, ' ' | '(' | '[' | '/'))
+    };
+    let typeset = |(index, c): (usize, &char)| if *c == '-' && is_sign(index) { '−' } else { *c };
+    characters.iter().enumerate().map(typeset).collect()
+}
+
 /// A picture being written.
 struct Pen {
     svg: String,
@@ -80,7 +142,7 @@ impl Pen {
         if words.is_empty() {
             return;
         }
-        let (colour, words) = (self.theme.colour(colour), escape(words));
+        let (colour, words) = (self.theme.colour(colour), escape(&with_minus_signs(words)));
         let anchor =
             if anchor == "start" { String::new() } else { format!(" text-anchor=\"{anchor}\"") };
         self.line(format_args!(
@@ -116,7 +178,7 @@ impl Pen {
     fn legend_entry(&mut self, place: (f64, f64), series: &Series) {
         self.group(place, |pen| {
             pen.sample(series);
-            pen.text((26.0, 4.0), "start", TEXT, &series.name);
+            pen.text((SAMPLE, 4.0), "start", TEXT, &series.name);
         });
     }
 
@@ -140,55 +202,160 @@ impl Pen {
 /// Numbers of clip paths: several pictures may share one HTML page, and with it their names.
 static CLIP_NUMBER: AtomicU64 = AtomicU64::new(1);
 
-/// The picture of `sheet`.
+/// The picture of `sheet` at its own size.
 pub fn svg(sheet: &Sheet, theme: Theme) -> String {
-    let (_, _, above, below) = MARGINS;
-    let (left, right) = side_margins(sheet);
-    let (w, h) = sheet.size;
-    let columns = sheet.columns.clamp(1, sheet.panels.len().max(1));
-    let rows = sheet.panels.len().div_ceil(columns);
-    let (across, down) = (left + w + right, above + h + below);
-    let below_panels = TITLE_HEIGHT + down * rows as f64;
-    let legend_rows = sheet.legend.len().div_ceil(columns) + usize::from(!sheet.note.is_empty());
-    let width = across * columns as f64;
-    let height = below_panels + 1.25 * LINE_HEIGHT * legend_rows as f64;
-    let mut pen = Pen { svg: String::new(), theme };
+    svg_in_style(sheet, &Style { theme, ..Style::default() })
+}
+
+/// The picture of `sheet`; its size is in millimetres if a width or a font size is asked for.
+pub fn svg_in_style(sheet: &Sheet, style: &Style) -> String {
+    let Layout { left, right, w, h, columns, places, below_panels } = Layout::of(sheet, style);
+    let width = (left + w + right) * columns as f64;
+    let entries: Vec<&Series> = sheet.legend.iter().collect();
+    // Below names of rows there is room.
+    let legend_left = if is_of_rows(sheet) { 8.0 } else { left };
+    let legend = flow(&entries, width - legend_left - 8.0);
+    let notes = f64::from(u8::from(!sheet.note.is_empty()));
+    let line = 1.25 * LINE_HEIGHT;
+    let height = below_panels + line * (rows_of(&legend) + notes);
+    let mut pen = Pen { svg: String::new(), theme: style.theme };
+    let size = if *style == (Style { theme: style.theme, ..Style::default() }) {
+        String::new()
+    } else {
+        // What is too wide for a narrow picture makes its text smaller.
+        let pixel = style.width.map_or(POINT * style.font_size / FONT_SIZE, |asked| asked / width);
+        format!(" width=\"{:.3}mm\" height=\"{:.3}mm\"", 1e3 * pixel * width, 1e3 * pixel * height)
+    };
     pen.line(format_args!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"12\">"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\"{size} viewBox=\"0 0 {width:.2} {height:.2}\" font-family=\"DejaVu Sans, Verdana, sans-serif\" font-size=\"{FONT_SIZE}\">"
     ));
     let ground = pen.fill(GROUND);
     pen.rect((0.0, 0.0), (width, height), &ground);
-    let (text, title) = (theme.colour(TEXT), escape(&sheet.title));
-    pen.line(format_args!(
-        "<text x=\"{left}\" y=\"22\" font-size=\"15\" fill=\"{text}\">{title}</text>"
-    ));
-    let place = |index: usize, step: f64, first: f64| {
-        let (row, column) = (index / columns, index % columns);
-        (left + across * column as f64, first + step * row as f64)
-    };
-    for (index, panel) in sheet.panels.iter().enumerate() {
-        pen.group(place(index, down, TITLE_HEIGHT + above), |pen| {
-            Drawing { panel, w, h, left }.draw(pen);
-        });
+    if !sheet.title.is_empty() {
+        let (text, title) = (style.theme.colour(TEXT), escape(&with_minus_signs(&sheet.title)));
+        let room = (width - left - 6.0) * FONT_SIZE / text_width(&sheet.title);
+        let size = TITLE_SIZE.min(room);
+        pen.line(format_args!(
+            "<text x=\"{left:.1}\" y=\"20\" font-size=\"{size:.2}\" fill=\"{text}\">{title}</text>"
+        ));
     }
-    let line = 1.25 * LINE_HEIGHT;
-    for (index, series) in sheet.legend.iter().enumerate() {
-        pen.legend_entry(place(index, line, below_panels), series);
+    for (panel, Placed { place, has_abscissa, has_legend }) in sheet.panels.iter().zip(places) {
+        let drawing = Drawing { panel, w, h, left, has_abscissa, has_legend };
+        pen.group(place, |pen| drawing.draw(pen));
     }
-    let last = place(sheet.legend.len().next_multiple_of(columns), line, below_panels);
-    pen.text(last, "start", NOTE, &sheet.note);
+    for (series, (x, row)) in entries.iter().zip(&legend) {
+        pen.legend_entry((legend_left + x, below_panels + line * row), series);
+    }
+    pen.text((left, below_panels + line * rows_of(&legend)), "start", NOTE, &sheet.note);
     pen.line(format_args!("</svg>"));
     pen.svg
 }
 
-/// Room left and right of the frames, wider where names of rows need it (pixels).
+/// Whether the ordinates of a sheet count named rows.
+fn is_of_rows(sheet: &Sheet) -> bool {
+    sheet.panels.iter().all(|panel| panel.y.label.is_empty())
+}
+
+/// Sizes and places of a sheet's parts (pixels).
+struct Layout {
+    left: f64,
+    right: f64,
+    w: f64,
+    h: f64,
+    columns: usize,
+    places: Vec<Placed>,
+    below_panels: f64,
+}
+
+/// A panel in its place.
+struct Placed {
+    /// Upper left corner of its frame (pixels).
+    place: (f64, f64),
+    /// Whether its abscissa has names; panels above one another share those of the lowest.
+    has_abscissa: bool,
+    /// Whether it has a legend; the same names are shown once.
+    has_legend: bool,
+}
+
+impl Layout {
+    fn of(sheet: &Sheet, style: &Style) -> Self {
+        let columns = sheet.columns.clamp(1, sheet.panels.len().max(1));
+        let (left, right) = side_margins(sheet);
+        let (mut w, mut h) = sheet.size;
+        if let Some(width) = style.width {
+            let pixel = POINT * style.font_size / FONT_SIZE;
+            w = (width / pixel / columns as f64 - left - right).max(MIN_FRAME);
+            // A wide frame keeps the sheet's shape.
+            let shaped = (w * sheet.size.1 / sheet.size.0).max(h.min(ASPECT * w));
+            h = if is_of_rows(sheet) { h } else { shaped };
+        }
+        let mut places = Vec::new();
+        let mut y = if sheet.title.is_empty() { 0.0 } else { TITLE_HEIGHT };
+        let mut shown: Vec<Series> = Vec::new();
+        for (row, panels) in sheet.panels.chunks(columns).enumerate() {
+            let next = sheet.panels.get((row + 1) * columns);
+            let shares = |panel: &Plot| columns == 1 && next.is_some_and(|next| next.x == panel.x);
+            let has_abscissa = !panels.first().is_some_and(shares);
+            let legends: Vec<Vec<Series>> = panels.iter().map(legend_entries).collect();
+            let is_new = |legend: &Vec<Series>| columns > 1 || *legend != shown;
+            let has_legend: Vec<bool> = legends.iter().map(is_new).collect();
+            let above = |((panel, legend), has): ((&Plot, &Vec<Series>), &bool)| {
+                let map = if panel.map.is_some() { LINE_HEIGHT } else { 0.0 };
+                let legend: Vec<&Series> = legend.iter().filter(|_| *has).collect();
+                let rows = if panel.title.is_empty() { rows_of(&flow(&legend, w)) } else { 1.0 };
+                let marks = Drawing::named_marks(panel, w).len() as f64;
+                ABOVE + map.max(LINE_HEIGHT * rows) + LINE_HEIGHT * marks
+            };
+            let rooms = panels.iter().zip(&legends).zip(&has_legend).map(above);
+            y += rooms.fold(ABOVE, f64::max);
+            for (column, has_legend) in has_legend.into_iter().enumerate() {
+                let place = (left + (left + w + right) * column as f64, y);
+                places.push(Placed { place, has_abscissa, has_legend });
+            }
+            y += h + if has_abscissa { BELOW } else { 0.0 };
+            shown = legends.into_iter().next().unwrap_or_default();
+        }
+        Self { left, right, w, h, columns, places, below_panels: y }
+    }
+}
+
+/// Places of a legend's entries, as many in a row as fit into `width`: abscissa (pixels) and row.
+fn flow(entries: &[&Series], width: f64) -> Vec<(f64, f64)> {
+    let (mut x, mut row) = (0.0, 0.0);
+    let place = |entry: &&Series| {
+        let wide = SAMPLE + text_width(&entry.name);
+        if x > 0.0 && x + wide > width {
+            (x, row) = (0.0, row + 1.0);
+        }
+        let place = (x, row);
+        x += wide + LEGEND_GAP;
+        place
+    };
+    entries.iter().map(place).collect()
+}
+
+/// Number of rows of a legend (1).
+fn rows_of(places: &[(f64, f64)]) -> f64 {
+    places.last().map_or(0.0, |(_, row)| row + 1.0)
+}
+
+/// Named series and bands of a panel, without their points.
+fn legend_entries(panel: &Plot) -> Vec<Series> {
+    let bands = panel.bands.iter();
+    let bands = bands.map(|(.., name)| Series::new(name, Vec::new(), BAND, Stroke::Bars));
+    let lines = panel.lines.iter().map(|line| Series { points: Vec::new(), ..line.clone() });
+    lines.chain(bands).filter(|entry| !entry.name.is_empty()).collect()
+}
+
+/// Room left and right of the frames, for the names beside them (pixels).
 fn side_margins(sheet: &Sheet) -> (f64, f64) {
     fn longest<'a>(names: impl Iterator<Item = &'a String>) -> f64 {
-        CHARACTER_WIDTH * names.map(|name| name.chars().count()).max().unwrap_or(0) as f64
+        names.map(|name| text_width(name)).fold(0.0, f64::max)
     }
     let left = longest(sheet.panels.iter().flat_map(|p| &p.y.ticks).map(|(_, name)| name));
+    let label = if sheet.panels.iter().any(|p| !p.y.label.is_empty()) { 26.0 } else { 8.0 };
     let right = longest(sheet.panels.iter().flat_map(|p| &p.beside).map(|(_, name)| name));
-    ((left + 24.0).max(MARGINS.0), (right + 24.0).max(MARGINS.1))
+    (left + 8.0 + label, if right > 0.0 { right + 16.0 } else { RIGHT })
 }
 
 struct Drawing<'a> {
@@ -197,6 +364,8 @@ struct Drawing<'a> {
     h: f64,
     /// Room left of the frame (pixels).
     left: f64,
+    has_abscissa: bool,
+    has_legend: bool,
 }
 
 impl Drawing<'_> {
@@ -214,7 +383,8 @@ impl Drawing<'_> {
         pen.line(format_args!(
             "<clipPath id=\"c{clip}\"><rect width=\"{w}\" height=\"{h}\"/></clipPath>"
         ));
-        pen.text((0.0, -9.0), "start", TEXT, &panel.title);
+        let marks_height = self.marks_height();
+        pen.text((0.0, -9.0 - marks_height), "start", TEXT, &panel.title);
         self.background(pen);
         self.axes(pen);
         pen.line(format_args!("<g clip-path=\"url(#c{clip})\">"));
@@ -230,16 +400,48 @@ impl Drawing<'_> {
         for (x, y, words) in &panel.words {
             pen.text((self.x(*x), self.y(*y)), "start", WORDS, words);
         }
-        for (y, words) in &panel.beside {
-            pen.text((w + 8.0, self.y(*y) + 4.0), "start", WORDS, words);
+        let mut beside: Vec<(f64, &String)> =
+            panel.beside.iter().map(|(y, words)| (self.y(*y), words)).collect();
+        beside.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut free = f64::NEG_INFINITY;
+        for (y, words) in beside {
+            let y = y.max(free);
+            pen.text((w + 8.0, y + 4.0), "start", WORDS, words);
+            free = y + FONT_SIZE + 1.0;
         }
-        let shown = panel.marks.iter().filter(|(place, _)| (0.0..=*w).contains(&self.x(*place)));
-        // Each name is a line lower, so that marks close to each other stay readable.
-        for ((place, name), row) in shown.zip(1_u32..) {
-            let y = f64::from(row) * LINE_HEIGHT;
-            pen.text((self.x(*place) + 4.0, y), "start", WORDS, name);
+        self.marks(pen);
+        if self.has_legend {
+            self.legend(pen);
         }
-        self.legend(pen);
+    }
+
+    /// Marks whose names are shown, from the left, each with its place (pixels).
+    fn named_marks(panel: &Plot, w: f64) -> Vec<(f64, &str)> {
+        let marks = panel.marks.iter().map(|(at, name)| (w * panel.x.share(*at), name.as_str()));
+        let shown = marks.filter(|(x, name)| (0.0..=w).contains(x) && !name.is_empty());
+        let mut shown: Vec<(f64, &str)> = shown.collect();
+        shown.sort_by(|a, b| a.0.total_cmp(&b.0));
+        shown
+    }
+
+    /// Names of the marks above the frame, where no data are, a row for each.
+    fn marks(&self, pen: &mut Pen) {
+        let marks = Self::named_marks(self.panel, self.w);
+        let rows = || (0..marks.len()).rev().map(|row| -5.0 - LINE_HEIGHT * row as f64);
+        for ((x, _), y) in marks.iter().zip(rows()) {
+            pen.path(&format!("M{x:.1} 0V{:.1}", y - 10.0), MARK, 0.8, false);
+        }
+        for ((x, name), y) in marks.iter().zip(rows()) {
+            let start = (x + 4.0).min(self.w - text_width(name)).max(0.0);
+            let ground = pen.fill(GROUND);
+            pen.rect((start - 2.0, y - 11.0), (text_width(name) + 2.0, 14.0), &ground);
+            pen.text((start, y), "start", WORDS, name);
+        }
+    }
+
+    /// Height of the marks' names above the frame (pixels).
+    fn marks_height(&self) -> f64 {
+        LINE_HEIGHT * Self::named_marks(self.panel, self.w).len() as f64
     }
 
     fn background(&self, pen: &mut Pen) {
@@ -266,30 +468,68 @@ impl Drawing<'_> {
     }
 
     fn axes(&self, pen: &mut Pen) {
-        let Self { panel, w, h, left } = self;
+        let Self { panel, w, h, left, .. } = self;
         let inside = |at: f64, length: f64| (-0.01..=length + 0.01).contains(&at);
+        let length = |name: &str| if name.is_empty() { TICKS.1 } else { TICKS.0 };
+        let mut free = f64::NEG_INFINITY;
         for (value, name) in &panel.x.ticks {
             let at = self.x(*value);
-            if inside(at, *w) {
-                pen.path(&format!("M{at:.1} 0V{h}"), GRID, 0.6, false);
+            if !inside(at, *w) {
+                continue;
+            }
+            let tick = length(name);
+            pen.path(
+                &format!("M{at:.1} {h:.1}V{:.1}M{at:.1} 0V{tick}", h - tick),
+                WORDS,
+                0.8,
+                false,
+            );
+            // Names that would touch the one before are left out.
+            let half = 0.5 * text_width(name);
+            if self.has_abscissa && at - half > free {
                 pen.text((at, h + 17.0), "middle", TEXT, name);
+                free = at + half + 4.0;
             }
         }
+        let is_of_rows = panel.y.label.is_empty();
+        let mut free = f64::INFINITY;
         for (value, name) in &panel.y.ticks {
             let at = self.y(*value);
-            if inside(at, *h) {
-                pen.path(&format!("M0 {at:.1}H{w}"), GRID, 0.6, false);
+            if !inside(at, *h) {
+                continue;
+            }
+            if !is_of_rows {
+                let tick = length(name);
+                let ticks = format!("M0 {at:.1}H{tick}M{w:.1} {at:.1}H{:.1}", w - tick);
+                pen.path(&ticks, WORDS, 0.8, false);
+            }
+            if is_of_rows || at + 6.0 < free {
                 pen.text((-7.0, at + 4.0), "end", TEXT, name);
+                free = at - 6.0;
             }
         }
-        pen.text((0.5 * w, h + 36.0), "middle", TEXT, &panel.x.label);
-        if !panel.y.label.is_empty() {
-            let (text, label) = (pen.theme.colour(TEXT), escape(&panel.y.label));
+        let zero = self.y(0.0);
+        if !is_of_rows && panel.y.from < 0.0 && inside(zero, *h) {
+            pen.path(&format!("M0 {zero:.1}H{w:.1}"), GRID, 0.8, false);
+        }
+        let fitted = |label: &str, room: f64| FONT_SIZE.min(room * FONT_SIZE / text_width(label));
+        let label = |pen: &mut Pen, label: &str, place: &str, room: f64| {
+            let (text, size) = (pen.theme.colour(TEXT), fitted(label, room));
+            let size =
+                if size < FONT_SIZE { format!(" font-size=\"{size:.2}\"") } else { String::new() };
+            let label = escape(&with_minus_signs(label));
             pen.line(format_args!(
-                "<text transform=\"translate({:.1} {:.1}) rotate(-90)\" text-anchor=\"middle\" fill=\"{text}\">{label}</text>",
-                20.0 - left,
-                0.5 * h
+                "<text {place} text-anchor=\"middle\"{size} fill=\"{text}\">{label}</text>"
             ));
+        };
+        let below = format!("x=\"{:.1}\" y=\"{:.1}\"", 0.5 * w, h + 36.0);
+        if self.has_abscissa {
+            label(pen, &panel.x.label, &below, w + 2.0 * RIGHT);
+        }
+        if !is_of_rows {
+            let (x, y) = (16.0 - left, 0.5 * h);
+            let beside = format!("transform=\"translate({x:.1} {y:.1}) rotate(-90)\"");
+            label(pen, &panel.y.label, &beside, h + BELOW);
         }
     }
 
@@ -333,26 +573,20 @@ impl Drawing<'_> {
     /// right corner, on the background's colour.
     fn legend(&self, pen: &mut Pen) {
         let panel = self.panel;
-        let bands = panel.bands.iter();
-        let bands = bands.map(|(.., name)| Series::new(name, Vec::new(), BAND, Stroke::Bars));
-        let mut entries: Vec<Series> = panel
-            .lines
-            .iter()
-            .map(|line| Series { points: Vec::new(), ..line.clone() })
-            .chain(bands)
-            .collect();
-        entries.retain(|entry| !entry.name.is_empty());
-        let width = |entry: &Series| CHARACTER_WIDTH * entry.name.chars().count() as f64 + 40.0;
-        let widest = entries.iter().map(width).fold(0.0, f64::max);
-        if entries.is_empty() {
+        let entries = legend_entries(panel);
+        if panel.title.is_empty() {
+            let flowed: Vec<&Series> = entries.iter().collect();
+            let places = flow(&flowed, self.w);
+            let rows = rows_of(&places);
+            for (entry, (x, row)) in entries.iter().zip(&places) {
+                let y = -13.0 - self.marks_height() - LINE_HEIGHT * (rows - 1.0 - row);
+                pen.legend_entry((*x, y), entry);
+            }
             return;
         }
-        if panel.title.is_empty() {
-            let mut right = self.w;
-            for entry in entries.iter().rev() {
-                right -= width(entry);
-                pen.legend_entry((right, -13.0), entry);
-            }
+        let width = |entry: &Series| SAMPLE + text_width(&entry.name) + LEGEND_GAP;
+        let widest = entries.iter().map(width).fold(0.0, f64::max);
+        if entries.is_empty() {
             return;
         }
         let (left, height) = (self.w - widest - 6.0, LINE_HEIGHT * entries.len() as f64 + 6.0);
@@ -383,7 +617,7 @@ fn shade(theme: Theme, share: f64) -> String {
 /// The shades of a map with the values of both ends, above the upper right corner of a frame of
 /// width `w` (pixels).
 fn colour_bar(pen: &mut Pen, w: f64, ends: &[String; 2]) {
-    let left = w - CHARACTER_WIDTH * ends[1].chars().count() as f64 - COLOUR_BAR_WIDTH - 6.0;
+    let left = w - text_width(&ends[1]) - COLOUR_BAR_WIDTH - 6.0;
     let step = COLOUR_BAR_WIDTH / f64::from(COLOUR_BAR_STEPS);
     pen.text((left - 6.0, -9.0), "end", NOTE, &ends[0]);
     pen.text((w, -9.0), "end", NOTE, &ends[1]);

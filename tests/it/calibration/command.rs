@@ -85,7 +85,8 @@ fn a_sensor_is_calibrated_and_used() {
         assert!(certificate.contains(told), "{told} in\n{certificate}");
     }
     let html = std::fs::read_to_string(at.join("out/certificate.html")).expect("a page");
-    assert_eq!(html.matches("<svg").count(), 6);
+    // One of all impacts, and one of each.
+    assert_eq!(html.matches("<svg").count(), 7);
     used(at, &found);
 }
 

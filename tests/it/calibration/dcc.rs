@@ -5,10 +5,11 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use hertzscope::calibrate::report::Verdict;
 use hertzscope::calibrate::{self, CalibrationReport};
 use hertzscope::recording::tek_csv::TableColumns;
 use hertzscope::report::dcc::{DccError, dcc};
-use hertzscope::scene::plan;
+use hertzscope::scene::plan::{self, DecisionRule, Tolerance};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng as _;
 
@@ -175,6 +176,103 @@ fn missing_administrative_data_are_named() {
         let words = refused(at, &["calibrate", "test/full.toml"]);
         assert!(words.contains(expected), "{wrong}: {words}");
     }
+}
+
+/// Each item of ISO/IEC 17025:2017, 7.8.2.1, 7.8.4.1 and 7.8.6, is on the certificate; what the plan
+/// lacks is named by its key, on the page and on the terminal.
+#[test]
+fn a_certificate_states_what_the_standard_asks_for() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    let file = complete_plan(at);
+    let text = std::fs::read_to_string(&file).expect("a plan");
+    let adjusted = "[adjustment]\nwork = \"glued anew\"\nbefore = \"../before/pzt-5h-440pf-calibrated.toml\"\n";
+    hertzscope(at, &["calibrate", "test/full.toml", "-o", "before"]).success();
+    std::fs::write(&file, text + adjusted).expect("a file");
+    let page = out(&hertzscope(at, &["calibrate", "test/full.toml", "-o", "out"]).success());
+    assert!(!page.contains("it lacks"), "{page}");
+    let html = std::fs::read_to_string(at.join("out/certificate.html")).expect("a page");
+    for item in [
+        "<title>Calibration certificate 2026-114</title>",
+        "counter(page) \" of \" counter(pages)",
+        "End of certificate 2026-114.",
+        "Granular lab",
+        "Street 1, City, DE",
+        "laboratory, room 7",
+        "Bench 2",
+        "Street 2, City",
+        "as new",
+        "2026-11-20",
+        "2026-11-26 to 2026-11-27",
+        "2026-11-28",
+        "linear momentum",
+        "deviations from the method",
+        "22.5 °C ± 0.5 K",
+        "45 % ± 5 %",
+        "Student's t for",
+        "rectangular distribution|degrees of freedom",
+        "Decision rule: simple acceptance",
+        "Sensitivity before the adjustment",
+        "+0.00 %",
+        "M-3",
+        "2026-101",
+        "N. N.",
+        "head",
+        "Signature",
+        "for the item calibrated only",
+        "reproduced in full only",
+        "share",
+    ] {
+        assert!(item.split('|').any(|item| html.contains(item)), "{item} in {html}");
+    }
+    assert!(!html.contains("not stated (certificate"), "{html}");
+    let json = hertzscope(at, &["calibrate", "test/full.toml", "--json"]).success();
+    let found: serde_json::Value = serde_json::from_str(&out(&json)).expect("JSON");
+    let inputs = found["budget"].as_array().expect("lines");
+    let names = inputs.iter().map(|line| line["input"].as_str().expect("a name"));
+    assert!(names.clone().count() > 30);
+    for name in names {
+        let row = format!("<td class=\"l\">{name}</td>");
+        assert!(html.contains(&row), "{row}");
+    }
+    // c u is what the budget adds up.
+    for line in inputs {
+        let number = |key: &str| line[key].as_f64().expect(key);
+        let off = number("coefficient") * number("u") - number("contribution_v_per_n");
+        assert!(off.abs() <= 1e-12 * number("contribution_v_per_n").abs(), "{line}");
+    }
+    let page = out(&hertzscope(at, &["calibrate", "test/plan.toml", "-o", "bare"]).success());
+    assert!(
+        page.contains("it lacks") && page.contains("certificate.number, sensor.serial"),
+        "{page}"
+    );
+    let html = std::fs::read_to_string(at.join("bare/certificate.html")).expect("a page");
+    assert!(html.contains("not stated (certificate.number)"), "{html}");
+}
+
+/// Statements of conformity by hand: 100 with U = 4 against 90 ± 12, 90 ± 15 and 90 ± 5.
+#[test]
+fn decision_rules_keep_their_guard_bands() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut report = report(&complete_plan(folder.path()));
+    (report.result.sensitivity, report.result.expanded, report.result.u) = (100.0, 4.0, 2.0);
+    for (tolerance, rule, verdict) in [
+        (12.0, DecisionRule::SimpleAcceptance, Verdict::Pass),
+        (12.0, DecisionRule::GuardBand, Verdict::NotShown),
+        (15.0, DecisionRule::GuardBand, Verdict::Pass),
+        (5.0, DecisionRule::GuardBand, Verdict::Fail),
+        (5.0, DecisionRule::SimpleAcceptance, Verdict::Fail),
+        (8.0, DecisionRule::GuardBand, Verdict::NotShown),
+    ] {
+        report.named.conformity = Some(Tolerance { nominal: 90.0, tolerance, rule });
+        let found = report.conformity().expect("a statement");
+        assert_eq!(found.verdict, verdict, "{tolerance} {rule:?}");
+    }
+    // 12 - 10 is one standard uncertainty: 15.87 % are beyond (tables of the normal distribution).
+    report.named.conformity =
+        Some(Tolerance { nominal: 90.0, tolerance: 12.0, rule: DecisionRule::GuardBand });
+    let risk = report.conformity().expect("a statement").risk;
+    assert!((risk - 0.158_655).abs() < 1e-6, "{risk}");
 }
 
 #[test]

@@ -13,9 +13,9 @@ fn points(path: &str) -> Vec<(f64, f64)> {
     numbers.collect()
 }
 
-/// The abscissa of the picture's point is the frame's logarithm-free share of the preload, its
-/// ordinate that of the band edge in the printed table: both are read back through the ticks of the
-/// axes, by their own text and place. `resvg`'s parser `usvg` parses the SVG.
+/// The abscissa of the picture's point is the logarithm of the preload, its ordinate the band edge
+/// in the printed table: both are read back through the ticks of the axes, by their own text and
+/// place. `resvg`'s parser `usvg` parses the SVG.
 #[test]
 fn a_plot_shows_the_points_of_the_table() {
     let folder = temporary();
@@ -41,6 +41,7 @@ fn a_plot_shows_the_points_of_the_table() {
         first.0 + (at - first.1) * (last.0 - first.0) / (last.1 - first.1)
     };
     let (across, up) = (ticks("middle", "x"), ticks("end", "y"));
+    let across: Vec<(f64, f64)> = across.into_iter().map(|(name, at)| (name.ln(), at)).collect();
     let path = text
         .lines()
         .filter(|line| line.contains("stroke=\"#1060b0\""))
@@ -51,9 +52,9 @@ fn a_plot_shows_the_points_of_the_table() {
     assert_eq!(drawn.len(), bands.len());
     for ((x, y), row) in drawn.into_iter().zip(bands) {
         let [preload, edge] = ["preload_n", "f1_hz"].map(|key| row[key].as_f64().expect(key));
-        // Ticks of the ordinate are kilohertz, 4 pixels above their names; a pixel is 0.13 N, 30
-        // Hz.
-        assert!((to_value(&across, x) - preload).abs() < 0.1, "{preload} N at {x}");
+        // Ticks of the ordinate are kilohertz, 4 pixels above their names; a pixel of the frame,
+        // which is 780 wide, is 0.9 % of the preload and 80 Hz, and places are rounded to 0.1.
+        assert!((to_value(&across, x) - preload.ln()).abs() < 2e-3, "{preload} N at {x}");
         let height = 1e3 * to_value(&up, y + 4.0);
         assert!((height - edge).abs() < 30.0, "{edge} Hz at {y}: {height}");
     }
@@ -69,8 +70,38 @@ fn plots_are_svg_or_png_by_their_ending() {
     let png = std::fs::read(folder.path().join("gap.png")).expect("a PNG");
     assert!(png.starts_with(PNG) && png.len() > 5_000, "{} bytes", png.len());
     let words = refused(folder.path(), &["bands", "--plot", "gap.jpg"]);
-    says(&words, &["gap.jpg", "expected a name that ends in .svg or .png"]);
+    says(&words, &["gap.jpg", "expected a name that ends in .svg, .png or .pdf"]);
     assert_eq!(files(folder.path()), ["gap.png", "gap.svg"]);
+}
+
+/// A picture has the width and the title asked for in each format, and a PDF the words of the SVG.
+#[cfg(feature = "png")]
+#[test]
+fn a_picture_is_as_wide_as_a_column() {
+    let folder = temporary();
+    let column = ["--width", "86mm", "--font-size", "7", "--title", "a − b"];
+    for name in ["gap.svg", "gap.png", "gap.pdf"] {
+        printed(folder.path(), &[&["bands", "--plot", name][..], &column].concat());
+    }
+    let read = |name: &str| std::fs::read(folder.path().join(name)).expect("a file");
+    let svg = String::from_utf8(read("gap.svg")).expect("text");
+    says(&svg, &["width=\"86.000mm\"", ">a − b<", ">frequency (kHz)<"]);
+    let png = read("gap.png");
+    let side = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().expect("four bytes"));
+    // 600 dots per inch are 23622 per metre; 86 mm are 2031.5 dots.
+    assert!((2031..=2032).contains(&side(16)), "{} dots", side(16));
+    assert_eq!((&png[37..41], side(41), side(45), png[49]), (&b"pHYs"[..], 23622, 23622, 1));
+    let pdf = String::from_utf8_lossy(&read("gap.pdf")).into_owned();
+    // 86 mm are 243.780 points of 1/72 inch.
+    says(&pdf, &["/MediaBox [0 0 243.780 ", "/ToUnicode"]);
+    for (wrong, expected) in [
+        (["--width", "1mm"], "from 30 mm to 1 m"),
+        (["--width", "86 kg"], "a mass"),
+        (["--font-size", "big"], "from 3 to 72 points"),
+    ] {
+        let words = refused(folder.path(), &[&["bands", "--plot", "x.svg"][..], &wrong].concat());
+        says(&words, &[expected]);
+    }
 }
 
 /// A run's picture has all channels; on dark its hues stay, white and black change places.
