@@ -114,8 +114,9 @@ impl Contact {
     }
 
     /// The contact as one that follows Hertz's law, which those of another exponent cannot be:
-    /// stiffness `A` (N/m^1.5), static overlap (m) and the root of that (m^0.5). A spring of stiffness `k` is one under an immense preload: with
-    /// `d0 = 1e20 m` and `A = 2/3 k/sqrt(d0)`, `A ((d0 + u)^1.5 - d0^1.5)` is `k u` to rounding.
+    /// stiffness `A` (N/m^1.5), static overlap (m) and the root of that (m^0.5). A spring of
+    /// stiffness `k` is one under an immense preload: with `d0 = 1e20 m` and `A = 2/3 k/sqrt(d0)`,
+    /// `A ((d0 + u)^1.5 - d0^1.5)` is `k u` to rounding.
     pub fn as_hertz(&self) -> (f64, f64, f64) {
         match self.law {
             Law::Hertz | Law::Power(_) => {

@@ -2,7 +2,8 @@
 
     check.py HERTZSCOPE
 
-HERTZSCOPE is the program. The examples of docs/python.md are executed as they stand there.
+HERTZSCOPE is the program. The examples of docs/python.md are executed as they stand there, and once more as the cells of the notebook
+docs/recipes/python.ipynb, which is made from that page: `check.py --notebook` writes it again.
 """
 
 import json
@@ -20,8 +21,10 @@ from pathlib import Path
 import hertzscope
 import numpy as np
 
-PROGRAM = os.path.abspath(sys.argv[1])
-os.chdir(tempfile.mkdtemp())
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+PAGE = DOCS / "python.md"
+NOTEBOOK = DOCS / "recipes" / "python.ipynb"
+CODE = re.compile(r"^```python tests/python/check.py\n(.*?)^```\n", re.MULTILINE | re.DOTALL)
 
 
 def program(*words):
@@ -33,8 +36,7 @@ def program(*words):
 
 def page():
     """The blocks of docs/python.md, in order, as they stand there, and what they leave."""
-    text = (Path(__file__).resolve().parents[2] / "docs" / "python.md").read_text(encoding="utf-8")
-    blocks = re.findall(r"^```python tests/python/check.py\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+    blocks = CODE.findall(PAGE.read_text(encoding="utf-8"))
     names = {}
     for block in blocks:
         exec(block, names)
@@ -49,6 +51,44 @@ def page():
     kept, pulse = names["made"][0].captures["CH1"], names["pulse"]
     assert len(kept.values) == 5000 and abs(kept.start + 1e-3) < 1e-12 and abs(kept.interval - 1e-6) < 1e-15
     assert np.abs(kept.values - pulse).max() <= 1 / 64000 * (1 + 1e-9), np.abs(kept.values - pulse).max()
+
+
+def notebook():
+    """The page as a notebook: its text and its examples in turn."""
+    cells = []
+    for place, text in enumerate(CODE.split(PAGE.read_text(encoding="utf-8"))):
+        if not text.strip():
+            continue
+        # Links of the page lead from its folder.
+        text = text.strip() if place % 2 else re.sub(r"\]\((?!http)", "](../", text.strip())
+        lines = text.splitlines(keepends=True)
+        cell = {"cell_type": "code", "execution_count": None, "id": f"cell-{place}", "metadata": {}, "outputs": [], "source": lines}
+        if place % 2 == 0:
+            cell = {"cell_type": "markdown", "id": f"cell-{place}", "metadata": {}, "source": lines}
+        cells.append(cell)
+    kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
+    made = {"cells": cells, "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}
+    return json.dumps(made, indent=1, ensure_ascii=False) + "\n"
+
+
+def executed_notebook():
+    """The notebook is the page's, and its cells run in Jupyter's kernel."""
+    import nbformat
+    from nbclient import NotebookClient
+
+    text = NOTEBOOK.read_text(encoding="utf-8")
+    assert text == notebook(), f"{NOTEBOOK.name} is not what check.py --notebook makes of {PAGE.name}"
+    made = nbformat.reads(text, as_version=4)
+    NotebookClient(made, timeout=120, kernel_name="python3").execute()
+    print(f"{NOTEBOOK.name}: {sum(cell.cell_type == 'code' for cell in made.cells)} cells executed")
+
+
+def typed():
+    """The page's examples are right for mypy --strict, by the package's own types."""
+    Path("examples.py").write_text("\n".join(CODE.findall(PAGE.read_text(encoding="utf-8"))), encoding="utf-8")
+    told = subprocess.run([sys.executable, "-m", "mypy", "--strict", "examples.py"], check=False, capture_output=True, text=True)
+    assert told.returncode == 0, told.stdout + told.stderr
+    print(f"mypy --strict: {told.stdout.strip()}")
 
 
 def errors():
@@ -122,6 +162,11 @@ def ctrl_c():
 
 
 if __name__ == "__main__":
-    for part in (page, errors, every_scene, ctrl_c, time_and_memory):
+    if sys.argv[1] == "--notebook":
+        NOTEBOOK.write_text(notebook(), encoding="utf-8")
+        sys.exit()
+    PROGRAM = os.path.abspath(sys.argv[1])
+    os.chdir(tempfile.mkdtemp())
+    for part in (page, executed_notebook, typed, errors, every_scene, ctrl_c, time_and_memory):
         part()
     print("the Python package and the program agree")

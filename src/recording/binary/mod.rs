@@ -7,9 +7,9 @@
 //! Values pass as their shortest digits that read back to the same number. Sources of the layouts:
 //! `NumPy`'s NEP 1; Microsoft, Multimedia Programming Interface (1991), for WAV; National
 //! Instruments, TDMS File Format Internal Structure; Keysight, Programmer's Guide of the
-//! `InfiniiVision` 3000 (binary data); Teledyne `LeCroy`, template `LECROY_2_3`; Tektronix 077-0220,
-//! Reference Waveform File Format. Each was compared with another program's reader or writer
-//! (`tests/readers`).
+//! `InfiniiVision` 3000 (binary data); Teledyne `LeCroy`, template `LECROY_2_3`; Tektronix
+//! 077-0220, Reference Waveform File Format. Each was compared with another program's reader or
+//! writer (`NumPy`, `SciPy`, `nptdms`, `lecroyparser`, `tm_data_types`).
 
 mod bytes;
 mod keysight;
