@@ -221,7 +221,7 @@ fn heading(
         Span::styled("Forces along the chain  ", bold),
         Span::raw(format!("t {} of {}  ", compact(now, "s", 4), compact(end, "s", 3))),
         Span::raw(format!(
-            "scale +{}, ▲ beyond  {state}, {} ms/s",
+            "to +{}, ▲ more  {state}, {} ms/s",
             compact(film.scales.strongest, "N", 3),
             model.play.speed
         )),
