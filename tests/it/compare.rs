@@ -90,7 +90,7 @@ fn reports_have_bands_and_the_scenes_uncertainties() {
     assert_eq!(html.matches(">95 % of simulated<").count(), 4, "a band a channel");
     let scene = Scene::load("magnet-0.61g").expect("a shipped scene");
     for part in
-        ["uncertain inputs of the scene", "striker.speed", "gain of CH1", scene.texts.hash()]
+        ["uncertain inputs of the scene", "striker.speed", "sensors.p14.offset", scene.texts.hash()]
     {
         assert!(html.contains(part), "{part}");
     }
