@@ -16,6 +16,9 @@ use crate::scene::{Scene, Site};
 /// Points from the lowest to the highest preload.
 const POINTS: u32 = 13;
 
+/// Preloads closer than this are one row (1).
+const SAME_PRELOAD: f64 = 1e-9;
+
 /// Show a chain's band edges as a function of its preload: pass bands, gap, speed of sound
 #[derive(Debug, Args)]
 pub struct Arguments {
@@ -53,9 +56,11 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Site::Wall => None,
     });
     let particle = arguments.particle.or(sensor).unwrap_or(2);
-    let Some((chain, now)) = metadata::cell_and_force(&scene, Site::Particle(particle)) else {
+    let site = Site::Particle(particle);
+    let own = metadata::cell_and_force(&scene, site).map(|(_, force)| force);
+    let Some((chain, now)) = metadata::cell_under(&scene, site, arguments.from) else {
         bail!(
-            "found no bands at particle {particle} of {}, expected two kinds in turn or equal particles, and a preload",
+            "found no bands at particle {particle} of {}, expected two kinds in turn or equal particles",
             scene.name
         );
     };
@@ -64,12 +69,14 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let step = (arguments.to / arguments.from).powf(1.0 / f64::from(POINTS - 1));
     let mut rows: Vec<(f64, DiatomicChain)> =
         (0..POINTS).map(|i| at(arguments.from * step.powf(f64::from(i)))).collect();
-    rows.push(at(now));
+    let is_new = |force: &f64| rows.iter().all(|(row, _)| (row / force - 1.0).abs() > SAME_PRELOAD);
+    let added = own.filter(is_new).map(at);
+    rows.extend(added);
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
     let page = BandsPage {
         scene: scene.name,
         particle,
-        preload: now,
+        preload: own,
         bands: rows.into_iter().map(|(force, chain)| PressedChain::new(force, chain)).collect(),
     };
     arguments.plot.save(&page, || page.picture())?;

@@ -231,6 +231,14 @@ pub fn cell(scene: &Scene, site: Site) -> Option<DiatomicChain> {
 
 /// The same with the static force there (N).
 pub fn cell_and_force(scene: &Scene, site: Site) -> Option<(DiatomicChain, f64)> {
+    cell_under(scene, site, 0.0)
+}
+
+/// The same; where nothing presses, under `force` (N).
+///
+/// `force` overlaps contacts of the exponent `n` by `(F/A)^(1/n)`, which shortens the cell, and
+/// gives them the stiffness `n F/overlap`.
+pub fn cell_under(scene: &Scene, site: Site, force: f64) -> Option<(DiatomicChain, f64)> {
     let chain = &scene.chain;
     let last = chain.particles();
     let particle = match site {
@@ -252,15 +260,20 @@ pub fn cell_and_force(scene: &Scene, site: Site) -> Option<(DiatomicChain, f64)>
     let here = mass(upper)?;
     let other = if body(upper)?.name == body(upper + 1)?.name { here } else { mass(upper + 1)? };
     let contact = chain.contacts().get(chain.body_of(upper) + 1)?;
-    let stiffness = contact.static_stiffness();
+    let exponent = contact.exponent();
+    let is_pressed = contact.static_force > 0.0;
+    let overlap = if is_pressed { 0.0 } else { (force / contact.stiffness).powf(1.0 / exponent) };
+    let stiffness =
+        if overlap > 0.0 { exponent * force / overlap } else { contact.static_stiffness() };
     let cell = DiatomicChain {
         light_mass: here.min(other),
         heavy_mass: here.max(other),
         stiffness,
-        exponent: contact.exponent(),
-        cell: chain.distance(upper, upper + 2),
+        exponent,
+        cell: chain.distance(upper, upper + 2) - 2.0 * overlap,
     };
-    (stiffness > 0.0).then_some((cell, contact.static_force))
+    let pressed = if overlap > 0.0 { force } else { contact.static_force };
+    (stiffness > 0.0).then_some((cell, pressed))
 }
 
 /// Mass that `particle` would have without a sensor: that of the nearest particle in size, then in

@@ -194,9 +194,9 @@ pub struct BandsPage {
     pub scene: String,
     /// Particle around which the chain is periodic.
     pub particle: usize,
-    /// Preload of the scene (N).
+    /// Preload of the scene, if there is one (N).
     #[serde(rename = "preload_n")]
-    pub preload: f64,
+    pub preload: Option<f64>,
     /// The chain under several preloads.
     pub bands: Vec<PressedChain>,
 }
@@ -229,13 +229,13 @@ impl BandsPage {
         } else {
             vec![Series { name: "f3, no gap: equal particles".to_owned(), ..Series::main(cutoff) }]
         };
-        let now = format!("the scene's preload: {}", engineering(self.preload, "N", 4));
+        let mark = |force| (force, format!("the scene's preload: {}", engineering(force, "N", 4)));
         let (from, to) = rows.first().zip(rows.last()).map_or((0.0, 1.0), |(a, b)| (a.0, b.0));
         let plot = Plot::fitted(["preload", "N"], ["frequency", "Hz"], lines);
         // Rows are at equal ratios.
         let x =
             if from > 0.0 { Axis::logarithmic("preload (N)", from, to) } else { plot.x.clone() };
-        Plot { x, ..plot }.with_marks(vec![(self.preload, now)])
+        Plot { x, ..plot }.with_marks(self.preload.map(mark).into_iter().collect())
     }
 
     /// The picture.
@@ -253,7 +253,7 @@ impl BandsPage {
         let mut lines = vec![heading.map(str::to_owned).to_vec()];
         let now = self.preload;
         lines.extend(self.chains().iter().map(|(force, chain)| {
-            let is_now = (*force - now).abs() <= f64::EPSILON * now;
+            let is_now = now.is_some_and(|now| (*force / now - 1.0).abs() < 1e-9);
             vec![
                 engineering(*force, "N", 4),
                 gap_edge(chain, chain.gap_bottom()),

@@ -57,7 +57,12 @@ fn summary(ledger: &Ledger) -> String {
 /// The largest change of readings by each effect, as a picture.
 pub fn effects_picture(ledger: &Ledger) -> Sheet {
     type Share = fn(&Change) -> Option<f64>;
-    let entries = || ledger.entries.iter();
+    // What was not measured has no point.
+    let is_measured = |entry: &&LedgerEntry| {
+        let of = |change: Change| [change.peak, change.arrival, change.speed];
+        entry.change.into_iter().flat_map(of).flatten().any(|share| share.abs() > 0.0)
+    };
+    let entries = || ledger.entries.iter().filter(is_measured);
     let readings: [(_, Share); 3] =
         [("first peak", |c| c.peak), ("arrival", |c| c.arrival), ("speed", |c| c.speed)];
     let series = readings.into_iter().zip(COLOURS).map(|((name, of), colour)| {
@@ -69,7 +74,7 @@ pub fn effects_picture(ledger: &Ledger) -> Sheet {
     let lines: Vec<Series> = series.collect();
     let accuracy = 100.0 * ledger.accuracy;
     let sizes = lines.iter().flat_map(|series| &series.points).map(|(percent, _)| *percent);
-    let label = "readings with the effect against without (%); at the left end: that or less";
+    let label = "change by the effect (%); at the left end: or less";
     let x = Axis::powers(label, sizes.chain([accuracy]), MAX_DECADES);
     let mut plot = Plot::of_rows(x, entries().map(|entry| entry.effect.replace('_', " ")));
     let state = |entry: &LedgerEntry| if entry.active { "on" } else { "off" };

@@ -172,7 +172,7 @@ pub fn html(title: &str, parts: &[Part]) -> String {
          body {{ font-family: sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; }}\n\
          table {{ border-collapse: collapse; }} th, td {{ border: 1px solid #c0c0c0; padding: 0.2em 0.6em; text-align: right; }}\n\
          .l {{ text-align: left; }} td.l:first-child {{ white-space: nowrap; width: 1%; }}\n\
-         .n {{ display: inline-block; width: 49%; margin: 0; vertical-align: top; }} figure {{ margin: 0.5em 0; }} figcaption {{ font-size: 85%; }} td {{ overflow-wrap: anywhere; }}\n\
+         .n {{ display: inline-block; width: 49%; margin: 0; vertical-align: top; }} figure {{ margin: 0.5em 0; }} figcaption {{ font-size: 85%; }} td {{ overflow-wrap: anywhere; }} td:not(.l) {{ white-space: nowrap; }}\n\
          @page {{ size: A4; margin: 18mm 16mm 20mm;\n\
          @bottom-left {{ content: \"{foot}\"; font: 8pt sans-serif; }}\n\
          @bottom-right {{ content: \"page \" counter(page) \" of \" counter(pages); font: 8pt sans-serif; }} }}\n\

@@ -158,6 +158,20 @@ fn bands_against_preload() {
         * number(&last["f1_hz"])
         * (0.485_f64 / (0.485 + 0.1226)).sqrt();
     assert!((number(&last["long_wave_speed_m_per_s"]) / speed - 1.0).abs() < 1e-6);
-    hertzscope(&["bands", "monatomic-vacuum"]).assert().code(2);
+    hertzscope(&["bands", "magnet-0.61g", "--particle", "999"]).assert().code(2);
+    // Nothing presses this chain: under 64 N its contacts have the stiffness 1.5 A^(2/3) F^(1/3).
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = folder.path().join("free.toml");
+    let text = "base = \"magnet-0.61g\"\n[effects]\nmagnet_preload = false\ngravity = false\n";
+    std::fs::write(&scene, text).expect("a scene");
+    let file = scene.display().to_string();
+    let free = json(&["bands", &file, "--from", "1N", "--to", "64N", "--json"]);
+    let rows = free["bands"].as_array().expect("points");
+    assert!(free["preload_n"].is_null() && rows.len() == 13);
+    let stiffness = 1.5 * 119414718.6458183_f64.powf(2.0 / 3.0) * 64_f64.cbrt();
+    let cutoff =
+        (2.0 * stiffness * (1.0 / 0.485e-3 + 1.0 / 0.1226e-3)).sqrt() / std::f64::consts::TAU;
+    assert!((number(&rows[12]["f3_hz"]) / cutoff - 1.0).abs() < 1e-9);
+    assert!((number(&rows[12]["long_wave_speed_m_per_s"]) / speed - 1.0).abs() < 1e-5);
     hertzscope(&["bands", "--from", "2N", "--to", "1N"]).assert().code(2);
 }
