@@ -44,7 +44,10 @@ pub fn contact(
         return open_end(spec, bodies, j, bears);
     };
     let ((above, upper), (below, lower)) = (upper, lower);
+    let names = (short(upper), short(lower));
+    let measured = spec.effects.contact_law.as_ref().map(|law| law.of(names.0, names.1));
     let (stiffness, radius) = geometry::stiffness(above, below);
+    let stiffness = measured.map_or(stiffness, |(_, stiffness)| stiffness);
     if !stiffness.is_finite() {
         let (upper, lower) = (upper.to_owned(), lower.to_owned());
         return Err(if geometry::is_line(above, below) {
@@ -56,9 +59,6 @@ pub fn contact(
     if bears < 0.0 {
         return Err(ChainError::Pulling { body: lower.to_owned(), force: bears });
     }
-    let names = (short(upper), short(lower));
-    let measured = spec.effects.contact_law.as_ref().map(|law| law.of(names.0, names.1));
-    let stiffness = measured.map_or(stiffness, |(_, stiffness)| stiffness);
     let law = match spec.effects.linearised_contacts {
         Some(LinearisedContacts) if bears == 0.0 => {
             return Err(ChainError::NothingToLinearise { body: lower.to_owned() });
@@ -94,22 +94,13 @@ pub fn contact(
         YieldLaw::new(plasticity, stiffness, (reduced_modulus, radius), pressure)
     });
     let yield_force = yield_force.filter(|_| measured.is_none());
-    let (static_force, static_overlap) = (bears, 0.0);
-    let open = Contact {
-        stiffness,
-        static_force,
-        static_overlap,
-        law,
-        loss,
-        yield_force,
-        plastic,
-        compliance,
-    };
-    let static_overlap = match &open.plastic {
+    let static_force = bears;
+    let open = Contact { stiffness, static_force, law, loss, ..Contact::OPEN };
+    let static_overlap = match &plastic {
         Some(law) => law.overlap_of(bears),
         None => open.overlap_under(bears),
     };
-    Ok(Contact { static_overlap, ..open })
+    Ok(Contact { static_overlap, yield_force, plastic, compliance, ..open })
 }
 
 /// Refuses what is made for Hertz's exponent where a contact has another law.

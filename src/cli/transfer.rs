@@ -76,19 +76,19 @@ fn bound(text: &str) -> Result<GateBound, String> {
     quantity(Dimension::TIME, .., "200us")(text).map(GateBound::Time)
 }
 
-impl Arguments {
-    /// The gate of records (s); `none` where nothing is said.
-    fn time(&self, bound: Option<GateBound>, none: f64) -> anyhow::Result<f64> {
-        match bound {
-            None => Ok(none),
-            Some(GateBound::Time(time)) => Ok(time),
-            Some(GateBound::Frequency(frequency)) => {
-                let found = engineering(frequency, "Hz", 4);
-                bail!("found {found} beside recordings, expected a time, e.g. 200us; a scene takes frequencies")
-            }
-        }
+/// A bound of the part of records that is looked at (s); `none` where nothing is said.
+fn time(bound: Option<GateBound>, none: f64) -> anyhow::Result<f64> {
+    match bound {
+        None => Ok(none),
+        Some(GateBound::Time(time)) => Ok(time),
+        Some(GateBound::Frequency(frequency)) => bail!(
+            "found {} beside recordings, expected a time, e.g. 200us; a scene takes frequencies",
+            engineering(frequency, "Hz", 4)
+        ),
     }
+}
 
+impl Arguments {
     /// The scene that is to be measured, if it is one.
     fn scene(&self) -> anyhow::Result<Option<Scene>> {
         let is_included = |file: &Path| {
@@ -166,8 +166,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let gate = match &scene {
         Some(scene) => Gate { from: 0.0, to: scene.duration },
         None => Gate {
-            from: arguments.time(arguments.from, f64::NEG_INFINITY)?,
-            to: arguments.time(arguments.to, f64::INFINITY)?,
+            from: time(arguments.from, f64::NEG_INFINITY)?,
+            to: time(arguments.to, f64::INFINITY)?,
         },
     };
     let window = match (arguments.window, &scene) {

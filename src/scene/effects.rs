@@ -186,7 +186,7 @@ fn contact_law(keys: &ContactLawKeys<'_>, pairs: &[(&str, &str)]) -> Option<Cont
     };
     let own = keys.contacts.iter().flatten().map(|table| {
         let keys = PairLawKeys::read(table);
-        let names = two_kinds(table, keys.between.unwrap_or_default(), pairs);
+        let names = two_kinds(table, &keys.between.unwrap_or_default(), pairs);
         let (exponent, stiffness) = law(keys.exponent, keys.force, keys.overlap)?;
         Some((names?, exponent, stiffness))
     });
@@ -198,7 +198,7 @@ fn contact_law(keys: &ContactLawKeys<'_>, pairs: &[(&str, &str)]) -> Option<Cont
 /// The two kinds of bodies of the list `between`, which touch by `pairs`.
 fn two_kinds(
     table: &TableReader<'_>,
-    names: Places<'_>,
+    names: &Places<'_>,
     pairs: &[(&str, &str)],
 ) -> Option<[String; 2]> {
     let [(upper, _), (lower, _)] = names.as_slice() else {
@@ -481,7 +481,7 @@ fn loss(
     for own in table.get::<Vec<TableReader<'_>>>(contacts).unwrap_or_default() {
         let names: Places<'_> = own.get(between).unwrap_or_default();
         let value = strength(&own, own_coefficient);
-        match two_kinds(&own, names, pairs).zip(value) {
+        match two_kinds(&own, &names, pairs).zip(value) {
             Some((between, (value, restitution))) => {
                 overrides.push(ContactOverride { between, value, restitution });
             }

@@ -1,4 +1,4 @@
-//! Teledyne LeCroy `.trc`: one channel, described by the block `WAVEDESC`.
+//! Teledyne `LeCroy` `.trc`: one channel, described by the block `WAVEDESC`.
 
 use super::bytes::{Bytes, Number};
 use super::table::{BinaryColumn, BinaryTable};

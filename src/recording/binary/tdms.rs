@@ -106,13 +106,11 @@ fn object(
             let kind = bytes.count(4)?;
             bytes.take(4)?;
             let count = bytes.count(8)?;
-            channel.values = match number(kind) {
-                Some(number) => Some((number, count)),
-                None => {
-                    let found = format!("{path} with values of type {kind:#x}");
-                    return Err(bytes.wrong(found, "channels of numbers"));
-                }
+            let Some(number) = number(kind) else {
+                let found = format!("{path} with values of type {kind:#x}");
+                return Err(bytes.wrong(found, "channels of numbers"));
             };
+            channel.values = Some((number, count));
         }
     }
     for _ in 0..bytes.count(4)? {

@@ -12,10 +12,8 @@ use crate::tui::keys::groups;
 
 /// Does what `action` asks.
 pub fn update(model: &mut ScreenState, action: Action) {
-    let mut was_asked = false;
-    if !matches!(action, Action::Tick(_)) {
-        was_asked = model.notice.take().is_some_and(|notice| notice.ends_with(QUIT_QUESTION));
-    }
+    let notice = model.notice.take_if(|_| !matches!(action, Action::Tick(_)));
+    let was_asked = notice.is_some_and(|notice| notice.ends_with(QUIT_QUESTION));
     if let Some(page) = model.page
         && model.panel == Popup::Scope
         && (page.0.act)(model, action)
