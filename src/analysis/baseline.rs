@@ -47,13 +47,11 @@ const QUIET_NOISE: f64 = 0.42;
 /// A zero that moves across levels is followed where differences of neighbours show at least this
 /// many levels of noise: noise of 0.3 levels and its rounding, `sqrt(0.3^2 + 1/12)` (1).
 const DITHERED_RMS: f64 = 0.416;
-/// Differences, or a slope, so many standard deviations from what white noise makes are no chance
-/// (1).
-const MOVING_DEVIATIONS: f64 = 4.5;
+/// Differences, or a slope, so many standard deviations from what white noise makes count as
+/// movement within a level or two, which widens intervals, and across levels, which is refused (1).
+const MOVING_DEVIATIONS: [f64; 2] = [3.5, 4.5];
 /// Samples that are next to one of their own code, beyond what chance makes (1).
 const MIN_TOGETHER: f64 = 5.0;
-/// Probability that the zero of a quiet scope moves, as in [`super::disturbance`] (1).
-const MOVES: f64 = 0.6;
 /// Blocks of a baseline, for its disturbance.
 const BLOCKS: usize = 32;
 /// Samples of a smooth curve about which samples scatter, and levels that it spans at least.
@@ -132,10 +130,11 @@ impl Baseline {
         let count = values.len() as f64;
         let Moments { mean, deviation: rms, .. } = Moments::of(values);
         let step = conditions.level;
-        let moves = step > 0.0 && moves(values, rms, step);
         // The zero of a quiet scope is followed by no more than the one level that it passes.
+        let is_wide = span(values) > 1.5 * step;
+        let moves = step > 0.0 && moves(values, rms, step, MOVING_DEVIATIONS[usize::from(is_wide)]);
         let is_lost = moves && difference_noise(values) < DITHERED_RMS * step;
-        if is_lost && span(values) > 1.5 * step {
+        if is_lost && is_wide {
             return Err(PulseError::Unresolved { trace: trace.name.clone() });
         }
         let rest = (rms < QUIET_RMS * step && (is_lost || !moves))
@@ -259,22 +258,22 @@ fn disturbance(trace: &Trace, range: Range<usize>, step: f64) -> Option<Disturba
 
 /// True if the zero moves: neighbours differ by less than samples scatter about their mean (J. von
 /// Neumann, Ann. Math. Stat. 12, 367, 1941), or a line, parabola or cubic is in the samples, by
-/// [`MOVING_DEVIATIONS`] of white noise.
-fn moves(values: &[f64], rms: f64, step: f64) -> bool {
+/// more than so many `deviations` of white noise (1).
+fn moves(values: &[f64], rms: f64, step: f64, deviations: f64) -> bool {
     let count = values.len().max(1) as f64;
     let excess = 1.0 - (difference_noise(values) / rms).powi(2);
     // Two of a few samples with another code may be neighbours.
     let is_many = count * excess * rms * rms > MIN_TOGETHER * step * step;
-    let together = is_many && excess > MOVING_DEVIATIONS / count.sqrt();
+    let together = is_many && excess > deviations / count.sqrt();
     let mean = values.iter().sum::<f64>() / count;
     let legendre: [fn(f64) -> f64; 3] = [|x| x, |x| 1.5 * x * x - 0.5, |x| x * (2.5 * x * x - 1.5)];
-    let deviations = |(degree, shape): (usize, &fn(f64) -> f64)| {
+    let size = |(degree, shape): (usize, &fn(f64) -> f64)| {
         let at = |index: usize| shape((2.0 * index as f64 + 1.0) / count - 1.0);
         let sum: f64 = values.iter().enumerate().map(|(index, v)| (v - mean) * at(index)).sum();
         // The mean square of Legendre's polynomials is 1/(2 n + 1).
         sum.abs() * ((2 * degree + 3) as f64 / count).sqrt()
     };
-    together || legendre.iter().enumerate().any(|one| deviations(one) > MOVING_DEVIATIONS * rms)
+    together || legendre.iter().enumerate().any(|one| size(one) > deviations * rms)
 }
 
 /// Standard uncertainty of the change of a quiet scope's zero over its samples at rest, `values`,
@@ -286,7 +285,7 @@ fn unseen_movement(values: &[f64], rms: f64, step: f64) -> f64 {
     let usual = upper_median(values.to_vec());
     let others = values.iter().filter(|v| (*v - usual).abs() > 0.5 * step).count() as f64;
     let of_noise = 12.0 * rms * rms / values.len().max(1) as f64;
-    (MOVES * (step * step / (6.0 * (1.0 + others)) + of_noise)).sqrt()
+    (step * step / (6.0 * (1.0 + others)) + of_noise).sqrt()
 }
 
 /// The highest of `values` less the lowest (unit).
