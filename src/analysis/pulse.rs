@@ -10,6 +10,7 @@ use super::pulse_conditions::MIN_PROMINENCE;
 pub use super::pulse_conditions::{Conditions, PEAK_SHARE, PulseError};
 
 use super::baseline::Baseline;
+use super::disturbance::DisturbanceKind;
 use super::local_fit::LocalFit;
 use super::rounding::Spread;
 use crate::trace::Trace;
@@ -142,10 +143,12 @@ impl Pulse {
         white.plus(coloured)
     }
 
-    /// True if 1/f noise moves that sum more than white noise does.
+    /// True if 1/f noise is there beyond doubt and moves that sum more than white noise does.
     pub(super) fn is_coloured(&self, fit: &LocalFit, gradient: &[f64]) -> bool {
         let [white, coloured] = self.spreads(fit, gradient);
-        coloured.variance > white.variance
+        let disturbance = self.baseline.disturbance.as_ref();
+        let is_found = disturbance.is_some_and(|d| d.found.contains(&DisturbanceKind::Pink));
+        is_found && coloured.variance > white.variance
     }
 
     /// The parts of white noise with rounding, and of 1/f noise.

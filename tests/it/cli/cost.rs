@@ -92,7 +92,10 @@ fn the_study_is_for_people_for_scripts_and_for_the_recording() {
         says(&svg, &[point["method"].as_str().expect("a name")]);
     }
     says(&svg, &["first peaks", "arrivals", "traces", "energy in motion", "order 8"]);
-    says(&svg, &["<svg", "one level of the scope", "one sample interval", "1e\u{2212}3", "--accuracy"]);
+    says(
+        &svg,
+        &["<svg", "one level of the scope", "one sample interval", "1e\u{2212}3", "--accuracy"],
+    );
     says(&printed(folder.path(), &["info", "cost.mcap"]), &["cost.json", "application/json"]);
     says(&refused(folder.path(), &["cost", "--record", "cost.csv"]), &["cost.csv", "cost.mcap"]);
     for asked in [["--plot", "no/cost.svg"], ["--record", "no/cost.mcap"]] {
