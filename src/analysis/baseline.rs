@@ -2,8 +2,9 @@
 //!
 //! Noise of one sample: the baseline's root mean square about its mean, but no less than
 //! `q/sqrt(12)`, what the rounding to levels `q` apart leaves (JCGM 100:2008, F.2.2.1). Where noise
-//! is below half a level, rounding errors of neighbouring samples go together, and zero and noise
-//! follow from how often each code is shown ([`super::quiet_scope`]).
+//! is below a third of a level, rounding errors of neighbouring samples go together, and zero and
+//! noise follow from how often each code is shown ([`super::quiet_scope`]). Elsewhere drift, mains
+//! hum and 1/f noise move the zero, and [`super::disturbance`] predicts it at each sample.
 //!
 //! A pulse begins below the noise: its foot lies in the baseline if the record begins shortly
 //! before it. A foot rises no more slowly than the exponential through an eighth and a quarter of
@@ -15,6 +16,8 @@ use std::ops::Range;
 
 use serde::Serialize;
 
+use super::disturbance::{Disturbance, KnownParts, smooth_rms};
+use super::droop::undo_droop_from;
 use super::pulse_conditions::{Conditions, MIN_BASELINE_SAMPLES, PEAK_SHARE, PulseError};
 use super::quiet_scope::{AtRest, MovingScatter};
 use super::rounding::{Rounding, Spread};
@@ -35,19 +38,33 @@ const MAX_FOOT_SHARE: f64 = 0.02;
 const MOTION_FACTOR: f64 = 2.0;
 const MOTION_DEVIATIONS: f64 = 5.0;
 const MOTION_SHARE: f64 = 0.01;
-/// Scatter below this many levels leaves rounding errors that go together (1).
-const DITHERED_RMS: f64 = 0.6;
+/// A record is a quiet scope's where its samples at rest scatter by less than this many levels,
+/// more than which noise of half a level rarely shows, and their codes show noise below so many
+/// levels: above, rounding errors of neighbouring samples are independent to
+/// `exp(-2 pi^2 0.42^2) / pi`, 0.01 levels, and the scatter shows the noise to 7 % (1).
+const QUIET_RMS: f64 = 0.65;
+const QUIET_NOISE: f64 = 0.42;
+/// A zero that moves across levels is followed where differences of neighbours show at least this
+/// many levels of noise: noise of 0.3 levels and its rounding, `sqrt(0.3^2 + 1/12)` (1).
+const DITHERED_RMS: f64 = 0.416;
+/// Differences, or a slope, so many standard deviations from what white noise makes count as
+/// movement within a level or two, which widens intervals, and across levels, which is refused (1).
+const MOVING_DEVIATIONS: [f64; 2] = [3.5, 4.5];
+/// Samples that are next to one of their own code, beyond what chance makes (1).
+const MIN_TOGETHER: f64 = 5.0;
+/// Blocks of a baseline, for its disturbance.
+const BLOCKS: usize = 32;
 /// Samples of a smooth curve about which samples scatter, and levels that it spans at least.
 const CURVE_SAMPLES: usize = 12;
 const CURVE_LEVELS: f64 = 3.0;
 
 /// Zero and noise of a trace before the pulse.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Baseline {
     /// The signal at rest: the mean, or what the codes of a quiet scope show (unit).
     #[serde(rename = "baseline_v")]
     pub level: f64,
-    /// Root mean square about the mean (unit).
+    /// Root mean square about the mean, or about the disturbance (unit).
     #[serde(skip)]
     pub rms: f64,
     /// Number of samples.
@@ -56,33 +73,50 @@ pub struct Baseline {
     /// The first sample behind it.
     #[serde(skip)]
     pub end: usize,
+    /// Mean of the pulse's foot in it (unit).
+    #[serde(skip)]
+    foot: f64,
     /// Its standard uncertainty (unit).
     #[serde(rename = "baseline_u_v")]
     pub uncertainty: f64,
+    /// Standard uncertainty of its change from sample to sample on a quiet scope (unit).
+    #[serde(skip)]
+    pub slope_u: f64,
+    /// True if a quiet scope shows that it moves.
+    #[serde(skip)]
+    pub is_moving: bool,
     /// How it is distributed: evenly, where all samples show one code.
     #[serde(skip)]
     pub spread: Spread,
     /// The noise in front of the converter, as far as the codes show it.
     #[serde(skip)]
     pub rounding: Rounding,
+    /// Drift, hum and 1/f noise with the zero, of records that a scope dithers.
+    #[serde(skip)]
+    pub disturbance: Option<Disturbance>,
 }
 
 impl Baseline {
     /// The baseline of `trace`.
     pub(super) fn of(trace: &Trace, conditions: &Conditions) -> Result<Self, PulseError> {
         let scatter = || scatter(trace, conditions.level);
-        Self::with_rest(trace, (conditions, true), &scatter).map(|(baseline, _)| baseline)
+        let (mut baseline, rest) = Self::with_rest(trace, (conditions, true), Some(&scatter))?;
+        if rest.is_none() {
+            baseline.find_disturbance(trace);
+        }
+        Ok(baseline)
     }
 
     /// The same with what the codes of a quiet scope show, whose samples elsewhere have this
-    /// `scatter`. Without `has_foot` the pulse is a single contact, which begins at once.
+    /// `scatter`; nothing of these without it. Without `has_foot` the pulse is a single contact,
+    /// which begins at once.
     ///
     /// # Errors
     /// [`PulseError`] if the record is too short before the pulse, or not at rest.
     pub fn with_rest(
         trace: &Trace,
         (conditions, has_foot): (&Conditions, bool),
-        scatter: &dyn Fn() -> MovingScatter,
+        scatter: Option<&dyn Fn() -> MovingScatter>,
     ) -> Result<(Self, Option<AtRest>), PulseError> {
         let (range, foot) = match conditions.baseline {
             Some(gate) => (gate.range(trace), 0.0),
@@ -96,25 +130,174 @@ impl Baseline {
         let count = values.len() as f64;
         let Moments { mean, deviation: rms, .. } = Moments::of(values);
         let step = conditions.level;
-        let rest = (rms < DITHERED_RMS * step).then(|| AtRest::of(values, step, scatter()));
+        // The zero of a quiet scope is followed by no more than the one level that it passes.
+        let is_wide = span(values) > 1.5 * step;
+        let moves = step > 0.0 && moves(values, rms, step, MOVING_DEVIATIONS[usize::from(is_wide)]);
+        let is_lost = moves && difference_noise(values) < DITHERED_RMS * step;
+        if is_lost && is_wide {
+            return Err(PulseError::Unresolved { trace: trace.name.clone() });
+        }
+        let rest = (rms < QUIET_RMS * step && (is_lost || !moves))
+            .then(|| Some(AtRest::of(values, step, scatter?())))
+            .flatten()
+            .filter(|rest| is_lost || rest.rounding().noise < QUIET_NOISE * step);
+        let (samples, end) = (values.len(), range.end);
         let (level, spread, rounding) = if let Some(rest) = &rest {
             (rest.zero(), rest.spread(), rest.rounding())
         } else {
-            let noise = (rms * rms - step * step / 12.0).sqrt();
+            let noise = (rms * rms - step * step / 12.0).max(0.0).sqrt();
             (mean, Spread::normal(rms / count.sqrt()), Rounding { level: step, noise })
         };
         let spread = spread.plus(Spread::normal(foot));
+        let moved = match &rest {
+            Some(_) if is_lost => 2.0 * step / 3f64.sqrt(),
+            Some(_) => unseen_movement(values, rms, step),
+            None => 0.0,
+        };
+        let slope_u = moved / count;
+        let spread = if is_lost {
+            Spread::normal(spread.variance.sqrt().hypot(step / 12f64.sqrt()))
+        } else {
+            spread
+        };
+        let uncertainty = spread.variance.sqrt();
+        let disturbance = None;
         let baseline = Self {
             level,
             rms,
-            samples: values.len(),
-            end: range.end,
-            uncertainty: spread.variance.sqrt(),
+            samples,
+            end,
+            foot,
+            uncertainty,
+            slope_u,
+            is_moving: is_lost,
             spread,
             rounding,
+            disturbance,
         };
         Ok((baseline, rest))
     }
+
+    /// Finds what disturbs `trace` beside white noise, in the baseline alone; of a trace that was
+    /// never digitised nothing does.
+    pub fn find_disturbance(&mut self, trace: &Trace) {
+        let step = self.rounding.level;
+        let range = self.end - self.samples..self.end;
+        let Some(found) = (step > 0.0).then(|| disturbance(trace, range.clone(), step)).flatten()
+        else {
+            return;
+        };
+        *self = Self::disturbed(found.with_constant(self.foot), range, step);
+    }
+
+    /// The zero of a record with this `disturbance`, in the samples `range` on average.
+    pub fn disturbed(disturbance: Disturbance, range: Range<usize>, step: f64) -> Self {
+        let mean = |values: &[f64]| {
+            let part = values.get(range.clone()).unwrap_or_default();
+            part.iter().sum::<f64>() / part.len().max(1) as f64
+        };
+        let squares: f64 = disturbance.modes().iter().map(|mode| mean(mode).powi(2)).sum();
+        let rms = disturbance.noise;
+        let noise = (rms * rms - step * step / 12.0).max(0.0).sqrt();
+        Self {
+            level: mean(&disturbance.values()),
+            rms,
+            samples: range.len(),
+            end: range.end,
+            foot: 0.0,
+            uncertainty: squares.sqrt(),
+            slope_u: 0.0,
+            is_moving: false,
+            spread: Spread::normal(squares.sqrt()),
+            rounding: Rounding { level: step, noise },
+            disturbance: Some(disturbance),
+        }
+    }
+
+    /// The zero at each of so many samples (unit).
+    pub fn zeros(&self, length: usize) -> Vec<f64> {
+        self.disturbance.as_ref().map_or_else(|| vec![self.level; length], Disturbance::values)
+    }
+
+    /// Modes of the zero's error at each of so many samples: independent, of standard deviation one
+    /// (unit).
+    pub fn modes(&self, length: usize) -> Vec<Vec<f64>> {
+        if let Some(disturbance) = &self.disturbance {
+            return disturbance.modes();
+        }
+        let middle = self.end as f64 - 0.5 * self.samples as f64;
+        let ramp = || (0..length).map(|index| self.slope_u * (index as f64 - middle)).collect();
+        let constant = vec![self.uncertainty; length];
+        if self.slope_u > 0.0 { vec![constant, ramp()] } else { vec![constant] }
+    }
+
+    /// `trace` without its zero, and the modes of the zero's error, both with the droop of this
+    /// time constant undone from the baseline's end on (s).
+    pub fn take_from(&self, trace: &Trace, time_constant: Option<f64>) -> (Trace, Vec<Vec<f64>>) {
+        let length = trace.values.len();
+        let undone = |values: Vec<f64>| {
+            let start = Trace { values, ..trace.clone() };
+            time_constant
+                .map_or_else(|| start.clone(), |tau| undo_droop_from(&start, self.end, tau))
+        };
+        let values = trace.values.iter().zip(self.zeros(length)).map(|(v, zero)| v - zero);
+        let signal = undone(values.collect());
+        let modes = self.modes(length).into_iter().map(|mode| undone(mode).values).collect();
+        (signal, modes)
+    }
+}
+
+/// What disturbs `trace`, whose samples `range` are at rest and whose levels are `step` (unit)
+/// apart.
+fn disturbance(trace: &Trace, range: Range<usize>, step: f64) -> Option<Disturbance> {
+    let values = trace.values.get(range.clone())?;
+    let mut parts = KnownParts::new(trace.values.len(), trace.interval, step, 0);
+    parts.add(values, range.start, BLOCKS, &[]);
+    Disturbance::of(&[parts])?.pop()
+}
+
+/// True if the zero moves: neighbours differ by less than samples scatter about their mean (J. von
+/// Neumann, Ann. Math. Stat. 12, 367, 1941), or a line, parabola or cubic is in the samples, by
+/// more than so many `deviations` of white noise (1).
+fn moves(values: &[f64], rms: f64, step: f64, deviations: f64) -> bool {
+    let count = values.len().max(1) as f64;
+    let excess = 1.0 - (difference_noise(values) / rms).powi(2);
+    // Two of a few samples with another code may be neighbours.
+    let is_many = count * excess * rms * rms > MIN_TOGETHER * step * step;
+    let together = is_many && excess > deviations / count.sqrt();
+    let mean = values.iter().sum::<f64>() / count;
+    let legendre: [fn(f64) -> f64; 3] = [|x| x, |x| 1.5 * x * x - 0.5, |x| x * (2.5 * x * x - 1.5)];
+    let size = |(degree, shape): (usize, &fn(f64) -> f64)| {
+        let at = |index: usize| shape((2.0 * index as f64 + 1.0) / count - 1.0);
+        let sum: f64 = values.iter().enumerate().map(|(index, v)| (v - mean) * at(index)).sum();
+        // The mean square of Legendre's polynomials is 1/(2 n + 1).
+        sum.abs() * ((2 * degree + 3) as f64 / count).sqrt()
+    };
+    together || legendre.iter().enumerate().any(|one| size(one) > deviations * rms)
+}
+
+/// Standard uncertainty of the change of a quiet scope's zero over its samples at rest, `values`,
+/// which show none (unit).
+///
+/// A single code leaves both ends anywhere in its level: `1/sqrt(6)`. Each sample with another code
+/// tells of it; white noise leaves a slope's `rms sqrt(12/n)`.
+fn unseen_movement(values: &[f64], rms: f64, step: f64) -> f64 {
+    let usual = upper_median(values.to_vec());
+    let others = values.iter().filter(|v| (*v - usual).abs() > 0.5 * step).count() as f64;
+    let of_noise = 12.0 * rms * rms / values.len().max(1) as f64;
+    (step * step / (6.0 * (1.0 + others)) + of_noise).sqrt()
+}
+
+/// The highest of `values` less the lowest (unit).
+fn span(values: &[f64]) -> f64 {
+    let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
+    high - low
+}
+
+/// Noise of one sample by the differences of neighbours (unit).
+fn difference_noise(values: &[f64]) -> f64 {
+    let squares: f64 = values.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
+    (0.5 * squares / values.len().max(2) as f64).sqrt()
 }
 
 /// Standard uncertainty of one sample: the noise seen, but no less than rounding to levels leaves
@@ -179,6 +362,8 @@ struct Before {
     top: f64,
     /// Noise of one sample, from the differences of neighbours (unit).
     noise: f64,
+    /// Distance of two levels (unit).
+    level: f64,
 }
 
 impl Before {
@@ -200,8 +385,7 @@ impl Before {
         };
         let samples = reaches(PEAK_SHARE, 0).unwrap_or(0);
         let quiet = values.get(..(BASELINE_SHARE * samples as f64) as usize).unwrap_or_default();
-        let squares: f64 = quiet.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
-        let noise = (0.5 * squares / quiet.len().max(2) as f64).sqrt();
+        let noise = difference_noise(quiet);
         // Noise takes single samples across a level either way: how many are on a side is right on
         // average. From the last sample on the pulse's other side on, and as far again before.
         let half = reaches(2.0 * PEAK_SHARE, samples).unwrap_or(samples);
@@ -219,6 +403,7 @@ impl Before {
             growth: doubling / std::f64::consts::LN_2,
             top,
             noise: noise_of(noise, level),
+            level,
         }
     }
 
@@ -240,7 +425,14 @@ impl Before {
         let usual = end(BASELINE_SHARE);
         let shorter = SHORTER_SHARES.map(end).into_iter().filter(|n| *n >= MIN_BASELINE_SAMPLES);
         let ends = std::iter::once(usual).chain(shorter);
-        let resting: Vec<usize> = ends.filter(|n| !self.is_moving(rms(*n), *n)).collect();
+        // Drift and hum of a digitised record are no motion of the chain.
+        let is_explained = self.level > 0.0 && {
+            let values = trace.values.get(..usual).unwrap_or_default();
+            let left = smooth_rms(values, trace.interval, self.top / self.noise);
+            !self.is_moving(left, usual)
+        };
+        let resting: Vec<usize> =
+            ends.filter(|n| is_explained || !self.is_moving(rms(*n), *n)).collect();
         let Some(longest) = resting.first().copied() else {
             let (trace, noise) = (trace.name.clone(), self.noise);
             return Err(PulseError::NotAtRest { trace, rms: rms(usual), noise });

@@ -45,6 +45,28 @@ pub fn undo_droop_from(voltage: &Trace, from: usize, time_constant: f64) -> Trac
     Trace { values: [rest, &felt].concat(), ..voltage.clone() }
 }
 
+/// A pulse has begun where this share of the largest deviation is reached, and the signal is at
+/// rest for this share of the samples before (1).
+const PULSE_SHARE: f64 = 0.25;
+const REST_SHARE: f64 = 2.0 / 3.0;
+
+/// `trace` with the high pass of AC coupling undone, whose time constant (s) is known: another
+/// droop behind the sensor's. As it is without one.
+pub fn undo_coupling(trace: Trace, time_constant: Option<f64>) -> Trace {
+    let Some(time_constant) = time_constant else { return trace };
+    let Some(first) = trace.values.first().copied() else { return trace };
+    let far = trace.values.iter().fold(0.0, |far: f64, v| far.max((v - first).abs()));
+    let is_far = |v: &f64| (v - first).abs() >= PULSE_SHARE * far;
+    let pulse = trace.values.iter().position(is_far).unwrap_or(0);
+    let rest = (REST_SHARE * pulse as f64) as usize;
+    let sum: f64 = trace.values.iter().take(rest).sum();
+    let level = if rest > 0 { sum / rest as f64 } else { first };
+    let above = trace.values.iter().map(|v| v - level).collect();
+    let mut undone = undo_droop_from(&Trace { values: above, ..trace }, rest, time_constant);
+    undone.values.iter_mut().for_each(|v| *v += level);
+    undone
+}
+
 /// `S N` for a voltage that starts at rest, without its baseline, with the circuit's time constant
 /// `tau` (s).
 pub fn undo_droop(voltage: &Trace, time_constant: f64) -> Trace {

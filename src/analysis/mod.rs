@@ -5,6 +5,7 @@ pub mod baseline;
 pub mod comparison;
 pub mod correlation;
 pub mod dispersion;
+pub mod disturbance;
 pub mod droop;
 mod fourier;
 pub mod gate;

@@ -10,10 +10,13 @@ use super::pulse_conditions::MIN_PROMINENCE;
 pub use super::pulse_conditions::{Conditions, PEAK_SHARE, PulseError};
 
 use super::baseline::Baseline;
-use super::droop::undo_droop_from;
+use super::disturbance::DisturbanceKind;
 use super::local_fit::LocalFit;
 use super::rounding::Spread;
 use crate::trace::Trace;
+/// A zero whose standard uncertainty at the peak is more than this share of the height leaves
+/// neither height nor arrival (1).
+const MAX_ZERO_SHARE: f64 = 0.125;
 /// As long as nothing is smoothed, there are more samples to be wrong: then by this many (1).
 const MIN_RAW_PROMINENCE: f64 = 8.0;
 /// And by this share of the largest value (1).
@@ -34,6 +37,8 @@ pub struct Pulse {
     /// Standard uncertainty of one sample (unit).
     pub noise: f64,
     pub(super) conditions: Conditions,
+    /// Modes of the zero's error in the signal, each with a standard deviation of one (unit).
+    pub(super) modes: Vec<Vec<f64>>,
     pub(super) smoothed: Vec<f64>,
     /// Standard uncertainty of a smoothed sample.
     pub(super) smoothed_noise: f64,
@@ -55,13 +60,7 @@ impl Pulse {
         }
         let baseline = Baseline::of(trace, &conditions)?;
         let noise = baseline.rounding.sample();
-        let mut signal = trace.clone();
-        for value in &mut signal.values {
-            *value -= baseline.level;
-        }
-        if let Some(time_constant) = conditions.time_constant {
-            signal = undo_droop_from(&signal, baseline.end, time_constant);
-        }
+        let (mut signal, modes) = baseline.take_from(trace, conditions.time_constant);
         let (_, inverted) = largest(&signal.values);
         if inverted {
             for value in &mut signal.values {
@@ -80,26 +79,43 @@ impl Pulse {
         let rough =
             first_maximum(&signal.values, threshold(noise), drop(MIN_RAW_PROMINENCE * noise));
         let reach = smoothing_reach(rough.1 - rough.0);
-        let (smoothed, gain) = smooth(&signal.values, reach);
-        let smoothed_noise = noise * gain;
-        let (_, peak) = first_maximum(
+        let (smoothed, weights) = smooth(&signal.values, reach);
+        let gain = weights.iter().map(|weight| weight * weight).sum::<f64>().sqrt();
+        let fast = baseline.disturbance.as_ref().map_or(0.0, |found| found.fast_noise(&weights));
+        let smoothed_noise = (noise * gain).hypot(fast);
+        let (_, peak, has_fallen) = first_maximum(
             &smoothed,
             threshold(smoothed_noise),
             drop(MIN_PROMINENCE * smoothed_noise),
         );
+        if !has_fallen {
+            return Err(PulseError::Cut { trace: name(), end: signal.time(signal.values.len()) });
+        }
         let height = smoothed.get(peak).copied().unwrap_or(top);
         let half = smoothed.iter().position(|v| *v >= 0.5 * height).unwrap_or(peak);
-        Ok(Self {
+        let found = Self {
             signal,
             baseline,
             inverted,
             noise,
             conditions,
+            modes,
             smoothed,
             smoothed_noise,
             peak,
             half,
-        })
+        };
+        let share = found.zero_variance(found.signal.time(peak)).sqrt() / height;
+        match &found.baseline.disturbance {
+            Some(disturbance) if share > MAX_ZERO_SHARE => {
+                let kinds = match disturbance.words() {
+                    words if words.is_empty() => "noise".to_owned(),
+                    words => words,
+                };
+                Err(PulseError::Disturbed { trace: name(), kinds, share })
+            }
+            _ => Ok(found),
+        }
     }
 
     /// Samples from half of the first peak to the peak: the pulse's own measure of time.
@@ -123,8 +139,26 @@ impl Pulse {
     /// How noise and rounding distribute the sum of the coefficients of `fit` with the weights
     /// `gradient`.
     pub(super) fn spread(&self, fit: &LocalFit, gradient: &[f64]) -> Spread {
+        let [white, coloured] = self.spreads(fit, gradient);
+        white.plus(coloured)
+    }
+
+    /// True if 1/f noise is there beyond doubt and moves that sum more than white noise does.
+    pub(super) fn is_coloured(&self, fit: &LocalFit, gradient: &[f64]) -> bool {
+        let [white, coloured] = self.spreads(fit, gradient);
+        let disturbance = self.baseline.disturbance.as_ref();
+        let is_found = disturbance.is_some_and(|d| d.found.contains(&DisturbanceKind::Pink));
+        is_found && coloured.variance > white.variance
+    }
+
+    /// The parts of white noise with rounding, and of 1/f noise.
+    fn spreads(&self, fit: &LocalFit, gradient: &[f64]) -> [Spread; 2] {
         let weights: Vec<(f64, f64)> = fit.weights(gradient).collect();
-        self.baseline.rounding.spread(&weights)
+        let white = self.baseline.rounding.spread(&weights);
+        let weights: Vec<f64> = weights.iter().map(|(weight, _)| *weight).collect();
+        let fast =
+            self.baseline.disturbance.as_ref().map_or(0.0, |found| found.fast_noise(&weights));
+        [white, Spread::normal(fast)]
     }
 
     /// Variance of the signal's zero at `time` (s).
@@ -132,13 +166,40 @@ impl Pulse {
         self.zero_spread(time).variance
     }
 
-    /// How the signal's zero at `time` (s) is distributed: as the baseline, grown by undoing the
-    /// droop from its end on.
+    /// How the signal's zero at `time` (s) is distributed: the modes of its error, grown by undoing
+    /// the droop, and what the noise adds by that.
     pub(super) fn zero_spread(&self, time: f64) -> Spread {
-        let Some(tau) = self.conditions.time_constant else { return self.baseline.spread };
+        let square = |mode: &Vec<f64>| self.at(mode, time).powi(2);
+        let (all, constant) =
+            (self.modes.iter().map(square).sum(), self.modes.first().map_or(0.0, square));
+        let spread = self.baseline.spread;
+        let growth = if spread.variance > 0.0 { constant / spread.variance } else { 0.0 };
+        let constant =
+            Spread { variance: all, fourth_cumulant: growth * growth * spread.fourth_cumulant };
+        let Some(tau) = self.conditions.time_constant else { return constant };
         let after = (time - self.signal.time(self.baseline.end)).max(0.0);
         let walk = self.noise * (after * self.signal.interval).sqrt() / tau;
-        self.baseline.spread.times(1.0 + after / tau).plus(Spread::normal(walk))
+        constant.plus(Spread::normal(walk))
+    }
+
+    /// Variance of the difference of the zeros at two times (s), the second `share` times.
+    pub(super) fn zero_difference(&self, first: f64, second: f64, share: f64) -> f64 {
+        let off = |mode: &Vec<f64>| self.at(mode, first) - share * self.at(mode, second);
+        self.modes.iter().map(|mode| off(mode).powi(2)).sum()
+    }
+
+    /// Variance of the zero's change around `time` (s) over `reach` (s).
+    pub(super) fn tilt_variance(&self, time: f64, reach: f64) -> f64 {
+        0.25 * self.zero_difference(time + reach, time - reach, 1.0)
+    }
+
+    /// Value of a `mode` at `time` (s).
+    fn at(&self, mode: &[f64], time: f64) -> f64 {
+        let place = ((time - self.signal.start) / self.signal.interval).max(0.0);
+        let index = (place as usize).min(mode.len().saturating_sub(2));
+        let (a, b) = (mode.get(index).copied(), mode.get(index + 1).copied());
+        let a = a.unwrap_or(0.0);
+        a + (b.unwrap_or(a) - a) * (place - index as f64).clamp(0.0, 1.0)
     }
 
     /// Number of maxima that stand out of what is around them by six standard deviations and by
@@ -162,10 +223,10 @@ impl Pulse {
     }
 }
 
-/// What normal noise exceeds in one of `samples` samples with a probability of 1 %, in standard
-/// deviations: `Q(z) = 0.01/samples`, from the bound `Q(z) < exp(-z^2/2)/2` (1).
+/// What normal noise exceeds in one of `samples` samples with a probability of 0.1 %, in standard
+/// deviations: `Q(z) = 0.001/samples`, from the bound `Q(z) < exp(-z^2/2)/2` (1).
 fn chance_limit(samples: usize) -> f64 {
-    (2.0 * (50.0 * samples.max(1) as f64).ln()).sqrt()
+    (2.0 * (500.0 * samples.max(1) as f64).ln()).sqrt()
 }
 
 /// The value farthest from zero, as its distance, and whether it is negative.
@@ -176,30 +237,30 @@ fn largest(values: &[f64]) -> (f64, bool) {
 }
 
 /// First sample at `threshold`, and that of the highest value from there until the values have
-/// fallen by `drop`.
-fn first_maximum(values: &[f64], threshold: f64, drop: f64) -> (usize, usize) {
+/// fallen by `drop`; and whether they have before the end.
+fn first_maximum(values: &[f64], threshold: f64, drop: f64) -> (usize, usize, bool) {
     let start = values.iter().position(|v| *v >= threshold).unwrap_or(0);
     let (mut at, mut high) = (start, f64::NEG_INFINITY);
     for (index, value) in values.iter().enumerate().skip(start) {
         if *value > high {
             (at, high) = (index, *value);
         } else if *value < high - drop {
-            break;
+            return (start, at, true);
         }
     }
-    (start, at)
+    (start, at, false)
 }
 
 fn smoothing_reach(rise: usize) -> usize {
     (SMOOTHING * rise as f64).round() as usize
 }
 
-/// Savitzky and Golay's quadratic smoothing over `reach` samples on either side, and what is left
-/// of white noise (1). Source: A. Savitzky, M. J. E. Golay, Anal. Chem. 36, 1627 (1964). Beyond the
+/// Savitzky and Golay's quadratic smoothing over `reach` samples on either side, and the weights of
+/// the samples. Source: A. Savitzky, M. J. E. Golay, Anal. Chem. 36, 1627 (1964). Beyond the
 /// ends the outermost samples stand.
-fn smooth(values: &[f64], reach: usize) -> (Vec<f64>, f64) {
+fn smooth(values: &[f64], reach: usize) -> (Vec<f64>, Vec<f64>) {
     if reach < 2 {
-        return (values.to_vec(), 1.0);
+        return (values.to_vec(), vec![1.0]);
     }
     let m = reach as f64;
     let scale = 3.0 / ((2.0 * m - 1.0) * (2.0 * m + 1.0) * (2.0 * m + 3.0));
@@ -208,5 +269,5 @@ fn smooth(values: &[f64], reach: usize) -> (Vec<f64>, f64) {
     let weights: Vec<(i64, f64)> = (-reach..=reach).map(|j| (j, weight(j))).collect();
     let at = |index: i64| values.get(index.clamp(0, last) as usize).copied().unwrap_or(0.0);
     let smoothed = (0..=last).map(|i| weights.iter().map(|(j, w)| w * at(i + j)).sum()).collect();
-    (smoothed, weight(0).sqrt())
+    (smoothed, weights.into_iter().map(|(_, weight)| weight).collect())
 }

@@ -52,6 +52,38 @@ pub enum PulseError {
         /// Noise of one sample, from the differences of neighbours (unit).
         noise: f64,
     },
+    /// The zero moves by less than a scope without noise shows.
+    #[error(
+        "{trace}: the zero moves before the pulse by a level or so, and the scope's noise is too small to show how: take fewer volts a division, earth the probe, trigger on line or let the scope warm up"
+    )]
+    Unresolved {
+        /// The trace's name.
+        trace: String,
+    },
+    /// Drift, hum or 1/f noise hides the zero under the pulse.
+    #[error(
+        "{trace}: {kinds} before the pulse leaves the zero under it uncertain by ±{:.0} % of its height: earth the probe, trigger on line, take more pre-trigger or a shorter time base",
+        200.0 * share
+    )]
+    Disturbed {
+        /// The trace's name.
+        trace: String,
+        /// What was found.
+        kinds: String,
+        /// Standard uncertainty of the zero over the height (1).
+        share: f64,
+    },
+    /// The signal still rises at the record's end.
+    #[error(
+        "{trace} ends at {:.1} us, before the signal has fallen from its first peak: take a longer record (slower time base) or less pre-trigger",
+        1e6 * end
+    )]
+    Cut {
+        /// The trace's name.
+        trace: String,
+        /// End of the record (s).
+        end: f64,
+    },
     /// Nothing above the noise.
     #[error(
         "found a largest deviation of {largest:e} in {trace}, expected more than {MIN_PROMINENCE} times its noise of {noise:e}"

@@ -88,6 +88,8 @@ pub struct Inputs {
     gate_distance: f64,
     time_constant: f64,
     above: f64,
+    zero: f64,
+    bend: f64,
     masses: Vec<f64>,
     impacts: Vec<ImpactInputs>,
     scatter: f64,
@@ -124,6 +126,8 @@ impl Inputs {
             gate_distance: or_none(common.gate_distance),
             time_constant: or_none(common.tau),
             above: common.above.value,
+            zero: 0.0,
+            bend: 0.0,
             masses: common.strikers.iter().map(|(_, mass)| mass.value).collect(),
             impacts: Vec::new(),
             scatter: 0.0,
@@ -141,6 +145,8 @@ impl Inputs {
             InputKind::GateDistance => Some(&mut self.gate_distance),
             InputKind::TimeConstant => Some(&mut self.time_constant),
             InputKind::Above => Some(&mut self.above),
+            InputKind::Zero => Some(&mut self.zero),
+            InputKind::ZeroBend => Some(&mut self.bend),
             InputKind::Mass => self.masses.get_mut(index),
             InputKind::Incoming => own.map(|own| &mut own.incoming),
             InputKind::Rebound => own.map(|own| &mut own.rebound),
@@ -185,6 +191,10 @@ pub enum InputKind {
     TimeConstant,
     /// The share of the momentum that stays above the plate.
     Above,
+    /// The zero that all records of a quiet scope have in common, in standard uncertainties.
+    Zero,
+    /// What it does to the time constants beside a straight line, in standard uncertainties.
+    ZeroBend,
     /// A striker's mass.
     Mass,
     /// A speed before the contact.
@@ -215,6 +225,8 @@ impl InputKind {
             Self::GateDistance => "distance of the gates",
             Self::TimeConstant => "time constant",
             Self::Above => "inertia above the plate",
+            Self::Zero => "zero of all records",
+            Self::ZeroBend => "rounding behind all contacts",
             Self::Mass => "striker's mass",
             Self::Incoming => "impact speed",
             Self::Rebound => "rebound speed",
@@ -334,6 +346,14 @@ struct WeighedImpact {
     own: f64,
 }
 
+impl WeighedImpact {
+    /// What the zero that all records have in common is off in this one (V).
+    fn common_zero(&self, inputs: &Inputs) -> f64 {
+        let Impact { has_common_zero, baseline, .. } = &self.impact;
+        if *has_common_zero { inputs.zero * baseline.uncertainty } else { 0.0 }
+    }
+}
+
 /// The measurement equation of a whole calibration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasurementEquation {
@@ -409,6 +429,8 @@ impl MeasurementEquation {
             single(InputKind::GateDistance, common.gate_distance.unwrap_or(none), "m"),
             single(InputKind::TimeConstant, common.tau.unwrap_or(none), "s"),
             single(InputKind::Above, common.above, "1"),
+            single(InputKind::Zero, Uncertain::normal(0.0, self.common_zero_u()), "1"),
+            single(InputKind::ZeroBend, Uncertain::normal(0.0, self.common_zero_u()), "1"),
         ];
         for (index, (name, mass)) in common.strikers.iter().enumerate() {
             let which = name.clone();
@@ -422,12 +444,15 @@ impl MeasurementEquation {
             };
             let off = |kind, u: f64, unit| single(kind, Uncertain::normal(0.0, u), unit);
             let duration = Uncertain::normal(impact.duration, impact.duration_u);
-            let tail_u = tail.filter(|_| self.is_tau_fitted).map_or(0.0, |tail| tail.noise_u);
+            let is_own = !impact.has_common_zero;
+            let baseline_u = if is_own { impact.baseline.uncertainty } else { 0.0 };
+            let of_tail = |tail: &Tail| tail.noise_u.hypot(if is_own { tail.zero_u } else { 0.0 });
+            let tail_u = tail.as_ref().filter(|_| self.is_tau_fitted).map_or(0.0, of_tail);
             let own = [
                 speed(InputKind::Incoming, motion.incoming),
                 speed(InputKind::Rebound, motion.rebound),
                 // What the baseline may be off; the level itself has been taken away.
-                off(InputKind::Baseline, impact.baseline.uncertainty, "V"),
+                off(InputKind::Baseline, baseline_u, "V"),
                 off(InputKind::Noise, impact.noise_u(tau), "V*s"),
                 single(InputKind::Duration, duration, "s"),
                 off(InputKind::Tail, tail_u, "1/s"),
@@ -438,6 +463,11 @@ impl MeasurementEquation {
         let later = |kind| single(kind, Uncertain::normal(0.0, 0.0), "V/N");
         inputs.extend([InputKind::Scatter, InputKind::NonLinearity].map(later));
         inputs
+    }
+
+    /// One, if records have their zero in common (1).
+    fn common_zero_u(&self) -> f64 {
+        f64::from(self.parts.iter().any(|part| part.impact.has_common_zero))
     }
 
     /// Fails if the uncertainty of an input is not finite or exceeds its value. Offsets, whose
@@ -541,7 +571,9 @@ impl MeasurementEquation {
         let part = |(part, own): (&WeighedImpact, &ImpactInputs)| {
             let Some(tail) = &part.tail else { return 0.0 };
             // The noise of the contact's samples is in the integral and in what leaks away of it.
-            let leaking = tail.per_baseline * own.baseline + tail.per_integral * own.noise;
+            let baseline = part.common_zero(inputs) + own.baseline;
+            let bend = if part.impact.has_common_zero { inputs.bend * tail.zero_u } else { 0.0 };
+            let leaking = tail.per_baseline * baseline + tail.per_integral * own.noise + bend;
             part.tail_weight * (tail.inverse_tau + leaking + own.tail)
         };
         self.parts.iter().zip(&inputs.impacts).map(part).sum()
@@ -552,7 +584,8 @@ impl MeasurementEquation {
         let (Some(part), Some(own)) = (self.parts.get(index), inputs.impacts.get(index)) else {
             return f64::NAN;
         };
-        let integral = part.impact.integral_off(inverse_tau, own.baseline) + own.noise;
+        let baseline = part.common_zero(inputs) + own.baseline;
+        let integral = part.impact.integral_off(inverse_tau, baseline) + own.noise;
         inputs.gain * integral / inputs.momentum(&part.motion, own)
     }
 

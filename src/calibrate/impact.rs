@@ -3,10 +3,9 @@
 
 use serde::Serialize;
 
-use super::record::{Exclusion, NOISE_TIMES, PreparedRecord, RawRecord};
+use super::record::{Exclusion, NOISE_TIMES, PreparedRecord, RawRecord, Surroundings};
 use crate::analysis::baseline::Baseline;
 use crate::analysis::droop::undo_droop;
-use crate::analysis::quiet_scope::MovingScatter;
 use crate::trace::Trace;
 /// Without a window given, the integral begins and ends this share of the contact outside it (1).
 const WINDOW_MARGIN: f64 = 0.15;
@@ -41,6 +40,9 @@ pub struct Impact {
     /// Standard uncertainty of one sample (V).
     #[serde(rename = "noise_v")]
     pub noise: f64,
+    /// Whether its zero is that of all records of a quiet scope.
+    #[serde(skip)]
+    pub has_common_zero: bool,
     /// Whether the pulse is negative; everything here is turned over.
     #[serde(skip)]
     pub negative: bool,
@@ -76,13 +78,12 @@ pub struct Impact {
 }
 
 impl Impact {
-    /// Reads `record`, whose samples scatter so about a smooth curve, with the time constant `tau`
-    /// (s).
+    /// Reads `record` with what is known from all of its range, and the time constant `tau` (s).
     ///
     /// # Errors
     /// [`Exclusion`]: why it is no good.
-    pub fn read(record: &RawRecord, scatter: MovingScatter, tau: f64) -> Result<Self, Exclusion> {
-        let prepared = PreparedRecord::new(record, scatter)?;
+    pub fn read(record: &RawRecord, known: &Surroundings, tau: f64) -> Result<Self, Exclusion> {
+        let prepared = PreparedRecord::new(record, known)?;
         let signal = &prepared.signal;
         let rise = prepared.rise().ok_or(Exclusion::NoPreTrigger { samples: 0 })?;
         let length = signal.values.len();
@@ -120,8 +121,15 @@ impl Impact {
             return Err(Exclusion::TwoImpacts { time: signal.time(index) });
         }
         let duration = (fall - rise) as f64 * signal.interval;
+        let mut baseline = prepared.baseline.clone();
+        if baseline.disturbance.is_some() {
+            // What counts is the zero during the contact.
+            let squares = prepared.contact_modes().iter().map(|mode| mode * mode).sum::<f64>();
+            baseline.uncertainty = squares.sqrt();
+        }
         Ok(Self {
-            baseline: prepared.baseline,
+            has_common_zero: known.has_common_zero && prepared.rest.is_some(),
+            baseline,
             noise: prepared.noise,
             negative: prepared.negative,
             interval: signal.interval,

@@ -14,6 +14,7 @@
 
 pub mod blind;
 pub mod design;
+mod disturbances;
 #[doc(hidden)]
 pub mod equation;
 pub mod error;
@@ -40,6 +41,7 @@ pub use result::{Calibration, ImpactResult, NonLinearity, PlannedStrike};
 
 use self::equation::{Common, MeasurementEquation};
 use self::impact::Impact;
+use self::record::{PreparedRecord, Surroundings};
 use self::result::assemble;
 use crate::analysis::baseline::scatter;
 use crate::analysis::quiet_scope::MovingScatter;
@@ -47,6 +49,10 @@ use crate::numeric::statistics::median;
 
 /// An impact this many standard uncertainties away from the others is left out (1).
 pub const OUTLIER_DEVIATIONS: f64 = 5.0;
+/// How often disturbances and time constant are found from each other.
+const SEARCHES: u32 = 2;
+/// Zeros of quiet records that are farther apart are not the same (1).
+const MOST_ZERO_DEVIATIONS: f64 = 3.0;
 /// Takes a median of absolute deviations to a standard deviation of normal numbers (1).
 const MEDIAN_TO_DEVIATION: f64 = 1.4826;
 
@@ -61,12 +67,15 @@ pub fn calibrate(
     draws: Draws,
 ) -> Result<Calibration, CalibrationError> {
     let given = common.tau.map(|tau| tau.value);
-    let scatters = scatters(strikes);
-    let each = || strikes.iter().map(|strike| &strike.record).zip(scatters.iter().copied());
-    let tails: Vec<_> = each().map(|(record, scatter)| tail::fit(record, scatter)).collect();
+    let known = surroundings(strikes, given);
+    let each = || strikes.iter().map(|strike| &strike.record).zip(&known);
+    let tails: Vec<_> = each().map(|(record, known)| tail::fit(record, known)).collect();
     let tau = given.or_else(|| tail::weighted_mean(&tails)).ok_or_else(|| no_tau(strikes))?;
     let read: Vec<Result<Impact, Exclusion>> =
-        each().map(|(record, scatter)| Impact::read(record, scatter, tau)).collect();
+        each().map(|(record, known)| Impact::read(record, known, tau)).collect();
+    // What is left out scatters for reasons of its own.
+    let sound = tails.into_iter().zip(&read).map(|(tail, read)| tail.filter(|_| read.is_ok()));
+    let tails = tail::with_scatter(sound.collect());
     let mut used: Vec<usize> = (0..read.len()).filter(|i| read[*i].is_ok()).collect();
     let mut excluded: Vec<(usize, Exclusion)> = Vec::new();
     for (index, result) in read.iter().enumerate() {
@@ -108,10 +117,59 @@ fn scatters(strikes: &[PlannedStrike]) -> Vec<MovingScatter> {
     each.iter().map(|(level, _)| same(*level)).collect()
 }
 
+/// What all records of a range tell of each, with `tau` if it is given (s).
+///
+/// Several times: the first estimate of `tau` is a rough one.
+fn surroundings(strikes: &[PlannedStrike], tau: Option<f64>) -> Vec<Surroundings> {
+    let of_scatter = |scatter| Surroundings { scatter, ..Surroundings::default() };
+    let mut known: Vec<Surroundings> = scatters(strikes).into_iter().map(of_scatter).collect();
+    let mut zeros: Vec<(f64, f64)> = Vec::new();
+    for (strike, known) in strikes.iter().zip(&mut known) {
+        let Ok(prepared) = PreparedRecord::new(&strike.record, known) else { continue };
+        known.is_dithered = prepared.rest.is_none();
+        let sign = if prepared.negative { -1.0 } else { 1.0 };
+        zeros.extend(prepared.rest.map(|rest| (sign * rest.zero(), rest.spread().variance)));
+    }
+    let has_common_zero = agree(&zeros);
+    for known in &mut known {
+        known.has_common_zero = has_common_zero;
+    }
+    for search in 0..SEARCHES {
+        let each: Vec<_> = strikes.iter().map(|strike| &strike.record).zip(&known).collect();
+        let fitted = || {
+            let tails: Vec<_> =
+                each.iter().map(|(record, known)| tail::fit(record, known)).collect();
+            tail::weighted_mean(&tails)
+        };
+        let first = || disturbances::first_tau(&each);
+        let found = tau.or_else(|| if search > 0 { fitted() } else { None }).or_else(first);
+        let Some(tau) = found else { break };
+        let found = disturbances::find(&each, tau);
+        for (known, found) in known.iter_mut().zip(found) {
+            known.disturbance = found;
+        }
+    }
+    for known in &mut known {
+        known.is_searched = true;
+    }
+    known
+}
+
+/// True if `zeros` with their variances agree: a scope at one range keeps its zero, and then what
+/// rounding hides of it on a quiet one is the same in all records.
+fn agree(zeros: &[(f64, f64)]) -> bool {
+    let weights: f64 = zeros.iter().map(|(_, variance)| 1.0 / variance).sum();
+    let mean = zeros.iter().map(|(zero, variance)| zero / variance).sum::<f64>() / weights;
+    zeros.len() > 1
+        && zeros.iter().all(|(zero, variance)| {
+            (zero - mean).powi(2) <= MOST_ZERO_DEVIATIONS.powi(2) * (variance + 1.0 / weights)
+        })
+}
+
 /// The reasons of impacts that could not be read; without any, the missing time constant.
 fn no_tau(strikes: &[PlannedStrike]) -> CalibrationError {
     let guess = |strike: &PlannedStrike| {
-        Impact::read(&strike.record, MovingScatter::default(), f64::INFINITY).err()
+        Impact::read(&strike.record, &Surroundings::default(), f64::INFINITY).err()
     };
     let reasons: Vec<(usize, Exclusion)> =
         strikes.iter().enumerate().filter_map(|(i, s)| Some((i, guess(s)?))).collect();

@@ -1,6 +1,9 @@
 //! A record before its integral: is it sound, where is its zero, where its pulse.
 
+use std::ops::Range;
+
 use crate::analysis::baseline::{Baseline, noise_of};
+use crate::analysis::disturbance::Disturbance;
 use crate::analysis::gate::Gate;
 use crate::analysis::pulse::{Conditions, PulseError};
 use crate::analysis::quiet_scope::{AtRest, MovingScatter};
@@ -61,6 +64,11 @@ pub enum Exclusion {
         /// Root mean square over the noise of neighbouring samples (1).
         times: f64,
     },
+    /// The zero moves by less than a scope without noise shows.
+    #[error(
+        "the zero moves before the contact by a level or so, and the scope's noise is too small to show how: take fewer volts a division, earth the probe, trigger on line or let the scope warm up"
+    )]
+    Unresolved,
     /// Nothing above the noise.
     #[error("no pulse above the noise")]
     NoPulse,
@@ -82,8 +90,28 @@ const CONTACT_SHARE: f64 = 0.01;
 const MIN_PEAK_TO_NOISE: f64 = 20.0;
 /// Least samples of a baseline.
 const MIN_BASELINE_SAMPLES: usize = 50;
+/// The end of the contact is not sharp: what is behind it begins this share of the contact later
+/// (1).
+const TAIL_DELAY_SHARE: f64 = 0.3;
 /// The sum of the voltage begins this part of the rise before the contact is seen.
 const LEAD_DIVISOR: usize = 3;
+
+/// What all records of a range tell of one: how its samples scatter about smooth curves, and what
+/// disturbs it, if that is known.
+#[derive(Debug, Clone, Default)]
+pub struct Surroundings {
+    /// Scatter about smooth curves.
+    pub scatter: MovingScatter,
+    /// Whether its noise is known to be above that of quiet scopes.
+    pub is_dithered: bool,
+    /// Drift, hum and 1/f noise with the zero.
+    pub disturbance: Option<Disturbance>,
+    /// Whether the disturbance was looked for in all records together: where none was found, it is
+    /// found in the record's own baseline.
+    pub is_searched: bool,
+    /// Whether all records of a quiet scope may have the same zero.
+    pub has_common_zero: bool,
+}
 
 /// A record whose pulse is positive and stands out of the noise; its baseline is known.
 pub struct PreparedRecord {
@@ -97,6 +125,8 @@ pub struct PreparedRecord {
     pub negative: bool,
     /// The voltage without its baseline.
     pub signal: Trace,
+    /// Modes of the baseline's error at each sample (V).
+    pub modes: Vec<Vec<f64>>,
     /// Sample of the highest value.
     pub peak: usize,
     /// Threshold of the contact's begin and end (V).
@@ -104,11 +134,11 @@ pub struct PreparedRecord {
 }
 
 impl PreparedRecord {
-    /// Looks at `record`, whose samples scatter so about a smooth curve.
+    /// Looks at `record` with what is known from all of its range.
     ///
     /// # Errors
     /// [`Exclusion`]: why it is no good.
-    pub fn new(record: &RawRecord, scatter: MovingScatter) -> Result<Self, Exclusion> {
+    pub fn new(record: &RawRecord, known: &Surroundings) -> Result<Self, Exclusion> {
         let trace = &record.trace;
         if record.clipped > 0 {
             return Err(Exclusion::Saturated { samples: record.clipped });
@@ -118,8 +148,12 @@ impl PreparedRecord {
             return Err(Exclusion::NotFinite);
         }
         let conditions = Conditions { level: record.level, ..Conditions::default() };
-        let found = Baseline::with_rest(trace, (&conditions, false), &|| scatter);
+        let scatter = || known.scatter;
+        let of_rest: Option<&dyn Fn() -> MovingScatter> =
+            (known.disturbance.is_none() && !known.is_dithered).then_some(&scatter);
+        let found = Baseline::with_rest(trace, (&conditions, false), of_rest);
         let (baseline, rest) = match found {
+            Ok((baseline, _)) if baseline.is_moving => return Err(Exclusion::Unresolved),
             Ok((baseline, rest)) if baseline.samples >= MIN_BASELINE_SAMPLES => (baseline, rest),
             Ok(_) | Err(PulseError::NoBaseline { .. })
                 if !stands_out(&trace.values, record.level) =>
@@ -132,11 +166,21 @@ impl PreparedRecord {
             Err(PulseError::NotAtRest { rms, noise, .. }) => {
                 return Err(Exclusion::NotAtRest { times: rms / noise });
             }
+            Err(PulseError::Unresolved { .. }) => return Err(Exclusion::Unresolved),
             Err(_) => return Err(Exclusion::NoPulse),
         };
+        let (mut baseline, rest) = match &known.disturbance {
+            Some(disturbance) => {
+                let range = 0..baseline.end;
+                (Baseline::disturbed(disturbance.clone(), range, record.level), None)
+            }
+            None => (baseline, rest),
+        };
+        if rest.is_none() && known.is_searched && known.disturbance.is_none() {
+            baseline.find_disturbance(trace);
+        }
         let noise = baseline.rounding.sample();
-        let mut signal = trace.clone();
-        signal.values.iter_mut().for_each(|v| *v -= baseline.level);
+        let (mut signal, mut modes) = baseline.take_from(trace, None);
         let highest = |values: &[f64], sign: f64| {
             let top = values.iter().enumerate().map(|(i, v)| (i, sign * v));
             top.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0))
@@ -146,13 +190,14 @@ impl PreparedRecord {
         let (peak, top) = if negative { down } else { up };
         if negative {
             signal.values.iter_mut().for_each(|v| *v = -*v);
+            modes.iter_mut().flatten().for_each(|v| *v = -*v);
         }
         if top < MIN_PEAK_TO_NOISE * noise {
             return Err(Exclusion::NoPulse);
         }
         let rest = rest.map(|rest| if negative { rest.turned() } else { rest });
         let threshold = (CONTACT_SHARE * top).max(NOISE_TIMES * noise);
-        Ok(Self { baseline, rest, noise, negative, signal, peak, threshold })
+        Ok(Self { baseline, rest, noise, negative, signal, modes, peak, threshold })
     }
 
     /// Last sample before the peak that is below the threshold.
@@ -165,6 +210,24 @@ impl PreparedRecord {
     pub fn start(&self) -> Option<usize> {
         let rise = self.rise()?;
         Some(rise.saturating_sub((self.peak - rise) / LEAD_DIVISOR))
+    }
+
+    /// The samples from the sum's start to where the charge is all that is left: the voltage passes
+    /// zero a little before the contact ends, and that end is not sharp.
+    pub fn contact(&self) -> Option<Range<usize>> {
+        let start = self.start()?;
+        let zero = self.fall(&self.signal.values, 0.0)?;
+        Some(start..zero + (TAIL_DELAY_SHARE * (zero - start) as f64) as usize)
+    }
+
+    /// Mean of each mode of the baseline's error over the contact (V).
+    pub fn contact_modes(&self) -> Vec<f64> {
+        let Some(contact) = self.contact() else { return Vec::new() };
+        let count = contact.len().max(1) as f64;
+        let mean = |mode: &Vec<f64>| {
+            mode.get(contact.clone()).unwrap_or_default().iter().sum::<f64>() / count
+        };
+        self.modes.iter().map(mean).collect()
     }
 
     /// First sample behind the peak where `values` are below `level`.

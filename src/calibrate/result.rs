@@ -422,6 +422,14 @@ fn notes(found: &Calibration, common: &Common, tail: Option<(f64, f64)>) -> Vec<
             short.join(", ")
         ));
     }
+    let disturbances =
+        used.clone().filter_map(|i| i.impact.as_ref()?.baseline.disturbance.as_ref());
+    if let Some(disturbance) = disturbances.clone().find(|disturbance| disturbance.is_found()) {
+        notes.push(format!(
+            "found {} in the records: predicted under each contact, with its uncertainty; earth the probe, trigger on line or let the scope warm up to be without",
+            disturbance.words()
+        ));
+    }
     let mixed = used.filter_map(|i| i.impact.as_ref()).any(|i| i.negative != found.negative);
     if mixed {
         notes.push("some pulses are positive and some negative: check the polarity".to_owned());

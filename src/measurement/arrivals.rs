@@ -1,12 +1,14 @@
 //! Arrivals and speeds read off a recording's captures, in the words of `arrivals --json`: names
 //! and units are part of the interface.
 
-use crate::quantity::Uncertain;
+use crate::quantity::{Uncertain, engineering};
 use serde::Serialize;
 
+use super::force::uncoupled;
 use super::metadata::{self, RecordedDistance, RecordedSensor};
 use crate::analysis::arrival::Estimator;
 use crate::analysis::correlation::delay;
+use crate::analysis::disturbance::Disturbance;
 use crate::analysis::pulse::{Conditions, Pulse};
 use crate::analysis::speed::{speed, speed_over};
 use crate::recording::{Capture, Shot, TraceSet};
@@ -221,11 +223,36 @@ impl<'a> ReadChannel<'a> {
         Self { arrivals, sensor, pulse, is_over_time }
     }
 
-    /// What its sensor's gain and host add.
+    /// What its sensor's gain and host add, and what disturbs it.
     fn notes(&self, scene: Option<&Scene>) -> Vec<String> {
-        let Some(sensor) = self.sensor else { return Vec::new() };
+        let disturbance = self.pulse.as_ref().and_then(|p| p.baseline.disturbance.as_ref());
+        let found = disturbance.and_then(Disturbance::note);
+        let found = found.map(|note| format!("{}: {note}", self.arrivals.channel));
+        let found = found.into_iter().chain(self.missing_arrivals());
+        let Some(sensor) = self.sensor else { return found.collect() };
         let host = scene.and_then(|scene| sensor.host_note(scene));
-        sensor.gain_note().into_iter().chain(host).collect()
+        sensor.gain_note().into_iter().chain(host).chain(found).collect()
+    }
+
+    /// Why a pulse has no arrival by some estimators.
+    fn missing_arrivals(&self) -> Option<String> {
+        let pulse = self.pulse.as_ref()?;
+        let height = pulse.height()?;
+        let missing: Vec<String> = Estimator::ALL
+            .into_iter()
+            .filter(|estimator| pulse.arrival(*estimator).is_none())
+            .map(|estimator| estimator.to_string())
+            .collect();
+        let unit = &pulse.signal.unit;
+        (!missing.is_empty()).then(|| {
+            format!(
+                "{}: no arrival by {}: the noise of {} hides it in a pulse of {}; take averages or fewer volts a division",
+                self.arrivals.channel,
+                missing.join(", "),
+                engineering(pulse.noise, unit, 2),
+                engineering(height.value, unit, 3)
+            )
+        })
     }
 
     fn placed(&self) -> Option<PlacedPulse<'_>> {
@@ -361,7 +388,7 @@ pub(super) fn neighbours<T>(
 /// neither height nor arrival.
 pub(super) fn first_pulse(capture: &Capture, time_constant: Option<f64>) -> Result<Pulse, String> {
     let waveform = &capture.waveform;
-    let trace = capture.trace().ok_or("a record over frequency has no arrival")?;
+    let trace = uncoupled(capture).ok_or("a record over frequency has no arrival")?;
     let level = waveform.preamble.y_mult.abs();
     let conditions = Conditions { level, time_constant, baseline: None };
     let pulse = Pulse::find(&trace, conditions).map_err(|error| error.to_string())?;

@@ -8,12 +8,13 @@
 use std::collections::BTreeMap;
 
 use super::metadata::{self, RecordedSensor};
-use crate::analysis::droop::{error_gain, undo_droop_from};
+use crate::analysis::droop::{error_gain, undo_coupling};
 use crate::analysis::pulse::{Conditions, Pulse, PulseError};
 use crate::numeric::intervals::expanded_95;
 use crate::recording::{Capture, Shot, TraceSet};
 use crate::scene::{Scene, SceneError, gain_u, input_load};
-use crate::scope::{ChannelSetup, Deviation, VerticalSetup};
+use crate::scope::front_end::ac_time_constant;
+use crate::scope::{ChannelSetup, Coupling, Deviation, VerticalSetup};
 use crate::sensor::{InChain, Sensor};
 use crate::trace::Trace;
 
@@ -149,6 +150,18 @@ pub fn count_gains(set: &mut TraceSet) -> Result<(), SceneError> {
     Ok(())
 }
 
+/// The trace of `capture` with AC coupling undone, where the recording states it; none of a record
+/// over frequency.
+pub fn uncoupled(capture: &Capture) -> Option<Trace> {
+    let trace = capture.trace()?;
+    let vertical = &capture.waveform.vertical;
+    if vertical.coupling != Some(Coupling::Ac) {
+        return Some(trace);
+    }
+    let model = Scene::load(BENCH).ok()?.scope.model;
+    Some(undo_coupling(trace, ac_time_constant(&model, vertical)))
+}
+
 /// Forces of all channels of `shot`, or why they cannot be computed.
 pub fn forces(set: &TraceSet, shot: &Shot) -> Vec<Result<Forces, ForcesError>> {
     let sensors = metadata::sensors_of(set, shot.number);
@@ -169,20 +182,20 @@ fn of_channel(capture: &Capture, sensors: &[RecordedSensor]) -> Result<Forces, F
     let Some((sensor, sensitivity, tau)) = circuit else {
         return Err(ForcesError::NoSensor { channel });
     };
-    let Some(mut volts) = capture.trace() else { return Err(ForcesError::NoTime { channel }) };
+    let Some(record) = uncoupled(capture) else { return Err(ForcesError::NoTime { channel }) };
     let level = capture.waveform.preamble.y_mult.abs();
-    let pulse = Pulse::find(&volts, Conditions { level, ..Conditions::default() })?;
-    volts.values.iter_mut().for_each(|v| *v -= pulse.baseline.level);
+    let pulse = Pulse::find(&record, Conditions { level, ..Conditions::default() })?;
+    let (volts, _) = pulse.baseline.take_from(&record, None);
+    let (felt, modes) = pulse.baseline.take_from(&record, Some(tau));
     let start = pulse.baseline.end;
-    let felt = undo_droop_from(&volts, start, tau);
     let (scale_u, tau_u) = (sensor.scale_u(), sensor.time_constant_u.unwrap_or(0.0));
     let (interval, limit) = (felt.interval, sensor.gain_half_width());
     let (mut u, mut expanded, mut noise_u) = (Vec::new(), Vec::new(), Vec::new());
     for (index, (felt, volts)) in felt.values.iter().zip(&volts.values).enumerate() {
         let gain = error_gain(index.saturating_sub(start), interval, tau);
         let noise = gain.noise * pulse.noise;
-        let rest =
-            [felt * scale_u, (felt - volts) * tau_u, gain.baseline * pulse.baseline.uncertainty];
+        let zero: f64 = modes.iter().filter_map(|mode| mode.get(index)).map(|m| m * m).sum();
+        let rest = [felt * scale_u, (felt - volts) * tau_u, zero.sqrt()];
         noise_u.push(noise / sensitivity);
         let whole = rest.iter().fold(noise, |sum, part| sum.hypot(*part)) / sensitivity;
         expanded.push(expanded_95(whole, felt.abs() * limit / sensitivity));

@@ -9,6 +9,7 @@ use std::f64::consts::{SQRT_2, TAU};
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use statrs::function::erf::{erfc, erfc_inv};
+use statrs::function::gamma::checked_gamma_ur;
 
 /// Coverage factor of a normal distribution's 95 % (1).
 pub const NORMAL_95: f64 = 1.959_963_984_540_054;
@@ -48,6 +49,11 @@ pub fn normal_quantile(share: f64) -> f64 {
 /// Share of the normal distribution below `z` (1).
 pub fn normal_share(z: f64) -> f64 {
     0.5 * erfc(-z / SQRT_2)
+}
+
+/// Probability that chi squared of so many degrees of `freedom` exceeds `value` (1).
+pub fn chi_squared_beyond(value: f64, freedom: f64) -> f64 {
+    checked_gamma_ur(0.5 * freedom, 0.5 * value.max(f64::MIN_POSITIVE)).unwrap_or(f64::NAN)
 }
 
 /// Half-width of the interval that holds 95 % of a sum of two parts, a normal one and one that is
@@ -149,6 +155,16 @@ mod tests {
         let (below, above) = (student_95(9_999.0), student_95(10_000.0));
         // (z^3 + z)/4 (1/nu - 1/(nu + 1)) = 2.37251e-8, and 5.6e-12 from the next term.
         assert!((below - above - 2.37308e-8).abs() < 1e-12, "{below} {above}");
+    }
+
+    /// Against a table (Abramowitz and Stegun 1964, table 26.8): 5 % lie beyond 3.841, 11.071 and
+    /// 18.307 for 1, 5 and 10 degrees; for two `exp(-x/2)`.
+    #[test]
+    fn chi_squared_is_that_of_the_tables() {
+        for (freedom, value) in [(1.0, 3.84146), (5.0, 11.07050), (10.0, 18.30704)] {
+            assert!((chi_squared_beyond(value, freedom) - 0.05).abs() < 1e-6, "{freedom}");
+        }
+        assert!((chi_squared_beyond(3.0, 2.0) - (-1.5_f64).exp()).abs() < 1e-12);
     }
 
     /// Against JCGM 100:2008, table G.2 (95 %), and its example H.1: 16 degrees for lengths of end

@@ -16,38 +16,72 @@ pub struct Undetermined {
     pub parameter: usize,
 }
 
-/// The lower triangle, with pivots no smaller than `least`.
-fn factor(matrix: &[Vec<f64>], least: f64) -> Result<Vec<Vec<f64>>, Undetermined> {
-    let mut lower: Vec<Vec<f64>> = Vec::with_capacity(matrix.len());
-    for (i, row) in matrix.iter().enumerate() {
-        let mut new = Vec::with_capacity(i + 1);
-        for (j, before) in lower.iter().enumerate() {
-            let known: f64 = before[..j].iter().zip(&new).map(|(a, b)| a * b).sum();
-            new.push((row[j] - known) / before[j]);
-        }
-        let pivot = row[i] - new.iter().map(|a| a * a).sum::<f64>();
-        // A pivot that is not a number is no larger, either.
-        if pivot.is_nan() || pivot <= least {
-            return Err(Undetermined { parameter: i });
-        }
-        new.push(pivot.sqrt());
-        lower.push(new);
-    }
-    Ok(lower)
+/// Cholesky's factor `L` of a symmetric, positive matrix `L L^T`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cholesky {
+    lower: Vec<Vec<f64>>,
 }
 
-/// Forward, then backward substitution.
-fn substitute(lower: &[Vec<f64>], right: &[f64]) -> Vec<f64> {
-    let mut x: Vec<f64> = Vec::with_capacity(right.len());
-    for (row, b) in lower.iter().zip(right) {
-        let known: f64 = row.iter().zip(&x).map(|(a, x)| a * x).sum();
-        x.push((b - known) / row[x.len()]);
+impl Cholesky {
+    /// Factors `matrix`.
+    ///
+    /// # Errors
+    /// [`Undetermined`] for a matrix that is not positive.
+    pub fn of(matrix: &[Vec<f64>]) -> Result<Self, Undetermined> {
+        Self::above(matrix, 0.0)
     }
-    for i in (0..x.len()).rev() {
-        let known: f64 = (i + 1..x.len()).map(|k| lower[k][i] * x[k]).sum();
-        x[i] = (x[i] - known) / lower[i][i];
+
+    /// The same with pivots above `least`.
+    fn above(matrix: &[Vec<f64>], least: f64) -> Result<Self, Undetermined> {
+        let mut lower: Vec<Vec<f64>> = Vec::with_capacity(matrix.len());
+        for (i, row) in matrix.iter().enumerate() {
+            let mut new = Vec::with_capacity(i + 1);
+            for (j, before) in lower.iter().enumerate() {
+                let known: f64 = before[..j].iter().zip(&new).map(|(a, b)| a * b).sum();
+                new.push((row[j] - known) / before[j]);
+            }
+            let pivot = row[i] - new.iter().map(|a| a * a).sum::<f64>();
+            // A pivot that is not a number is no larger, either.
+            if pivot.is_nan() || pivot <= least {
+                return Err(Undetermined { parameter: i });
+            }
+            new.push(pivot.sqrt());
+            lower.push(new);
+        }
+        Ok(Self { lower })
     }
-    x
+
+    /// `L^-1 right`: white, of variance one, if `right` has the matrix as its covariance (1).
+    pub fn whiten(&self, right: &[f64]) -> Vec<f64> {
+        let mut x: Vec<f64> = Vec::with_capacity(right.len());
+        for (row, b) in self.lower.iter().zip(right) {
+            let known: f64 = row.iter().zip(&x).map(|(a, x)| a * x).sum();
+            x.push((b - known) / row[x.len()]);
+        }
+        x
+    }
+
+    /// `x` with `L L^T x = right`, by forward, then backward substitution (unit).
+    pub fn solve(&self, right: &[f64]) -> Vec<f64> {
+        let mut x = self.whiten(right);
+        for i in (0..x.len()).rev() {
+            let known: f64 = (i + 1..x.len()).map(|k| self.lower[k][i] * x[k]).sum();
+            x[i] = (x[i] - known) / self.lower[i][i];
+        }
+        x
+    }
+
+    /// Inverse of the matrix (unit).
+    pub fn inverse(&self) -> Vec<Vec<f64>> {
+        let size = self.lower.len();
+        let unit = |i: usize| (0..size).map(move |j| if i == j { 1.0 } else { 0.0 });
+        (0..size).map(|i| self.solve(&unit(i).collect::<Vec<f64>>())).collect()
+    }
+
+    /// Natural logarithm of the matrix's determinant (1).
+    pub fn log_determinant(&self) -> f64 {
+        2.0 * self.lower.iter().filter_map(|row| row.last()).map(|pivot| pivot.ln()).sum::<f64>()
+    }
 }
 
 /// `x` with `matrix x = right`.
@@ -55,7 +89,7 @@ fn substitute(lower: &[Vec<f64>], right: &[f64]) -> Vec<f64> {
 /// # Errors
 /// [`Undetermined`] for a matrix that is not positive.
 pub fn solve(matrix: &[Vec<f64>], right: &[f64]) -> Result<Vec<f64>, Undetermined> {
-    Ok(substitute(&factor(matrix, 0.0)?, right))
+    Ok(Cholesky::of(matrix)?.solve(right))
 }
 
 /// Inverse of `matrix`.
@@ -63,12 +97,7 @@ pub fn solve(matrix: &[Vec<f64>], right: &[f64]) -> Result<Vec<f64>, Undetermine
 /// # Errors
 /// [`Undetermined`] for a matrix that is not positive.
 pub fn inverse(matrix: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, Undetermined> {
-    Ok(inverted(&factor(matrix, 0.0)?))
-}
-
-fn inverted(lower: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let unit = |i: usize| (0..lower.len()).map(move |j| if i == j { 1.0 } else { 0.0 });
-    (0..lower.len()).map(|i| substitute(lower, &unit(i).collect::<Vec<f64>>())).collect()
+    Ok(Cholesky::of(matrix)?.inverse())
 }
 
 /// Inverse of the matrix of all products of `columns`, each brought to length one in between.
@@ -85,7 +114,7 @@ pub fn inverse_of_gram(columns: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, Undetermin
         columns.iter().zip(&length).map(|(b, of_b)| product(a, b) / (of_a * of_b)).collect()
     };
     let gram: Vec<Vec<f64>> = columns.iter().zip(&length).map(row).collect();
-    let mut inverse = inverted(&factor(&gram, SMALLEST_PIVOT)?);
+    let mut inverse = Cholesky::above(&gram, SMALLEST_PIVOT)?.inverse();
     for (row, of_i) in inverse.iter_mut().zip(&length) {
         row.iter_mut().zip(&length).for_each(|(x, of_j)| *x /= of_i * of_j);
     }

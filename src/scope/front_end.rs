@@ -11,7 +11,7 @@ use rand_pcg::Pcg64;
 
 use super::model::{Model, RANGE_END_FACTOR};
 use super::setup::{ChannelSetup, Setup};
-use super::waveform::Coupling;
+use super::waveform::{Coupling, VerticalSetup};
 
 /// Below this delay, in sample intervals, the bandwidth's only visible effect, a shift, is left out
 /// (1).
@@ -75,6 +75,13 @@ pub fn bandwidth_ratio(setup: &Setup, channel: &ChannelSetup, interval: f64) -> 
         || vertical.scale / vertical.probe * RANGE_END_FACTOR < model.full_bandwidth_from;
     let bandwidth = if limited { model.limited_bandwidth } else { model.bandwidth };
     interval * TAU * bandwidth
+}
+
+/// Time constant of the AC coupling of a channel set as `vertical`; none where it is not AC coupled
+/// or the coupling is not known (s).
+pub fn ac_time_constant(model: &Model, vertical: &VerticalSetup) -> Option<f64> {
+    let is_coupled = vertical.coupling == Some(Coupling::Ac);
+    is_coupled.then(|| 1.0 / (TAU * ac_corner(model, vertical.probe)))
 }
 
 /// Corner of AC coupling behind a probe, whose resistance lies in series with the coupling

@@ -115,9 +115,14 @@ pub fn first_peak(forces: &[f64]) -> (f64, f64, f64) {
     let (a, b, c) = (forces[place - 1], forces[place], forces[place + 1]);
     let shift = 0.5 * (a - c) / (a - 2.0 * b + c);
     let height = b - 0.25 * (a - c) * shift;
-    let rise = (0..place).find(|&i| forces[i + 1] >= 0.5 * height).expect("a rise");
-    let share = (0.5 * height - forces[rise]) / (forces[rise + 1] - forces[rise]);
-    (height, (place as f64 + shift) * INTERVAL, (rise as f64 + share) * INTERVAL)
+    (height, (place as f64 + shift) * INTERVAL, first_crossing(forces, 0.5 * height))
+}
+
+/// Time at which a level (N) is reached first (s).
+pub fn first_crossing(forces: &[f64], level: f64) -> f64 {
+    let rise = forces.windows(2).position(|pair| pair[1] >= level).expect("a rise");
+    let share = (level - forces[rise]) / (forces[rise + 1] - forces[rise]);
+    (rise as f64 + share) * INTERVAL
 }
 
 #[test]

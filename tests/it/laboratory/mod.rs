@@ -11,6 +11,7 @@ mod chain;
 mod coverage;
 mod disturbance;
 mod impact;
+mod prediction;
 mod random;
 mod scope;
 

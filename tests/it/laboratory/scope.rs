@@ -72,8 +72,20 @@ impl Channel {
             .collect()
     }
 
-    /// Writes codes, counted from zero volts, as the file of channel `number`.
-    pub fn write(&self, path: &Path, number: usize, timing: Timing, codes: &[f64]) {
+    /// Saves a shot as "Save All" does: a folder with a file for each channel, by its number and
+    /// codes counted from zero volts, and the settings of the front panel.
+    pub fn save(&self, folder: &Path, channels: &[(usize, Vec<f64>)], timing: Timing) {
+        std::fs::create_dir_all(folder).expect("a folder");
+        let coupling = if self.disturbance.high_pass > 0.0 { "AC" } else { "DC" };
+        let mut settings = String::new();
+        for (number, codes) in channels {
+            self.write(&folder.join(format!("F0000CH{number}.CSV")), *number, timing, codes);
+            write!(settings, ":CH{number}:COUPLING {coupling};").expect("memory");
+        }
+        std::fs::write(folder.join("F0000TEK.SET"), settings + "\n").expect("written");
+    }
+
+    fn write(&self, path: &Path, number: usize, timing: Timing, codes: &[f64]) {
         let header = [
             ("Record Length", format!("{:.6e}", POINTS as f64)),
             ("Sample Interval", format!("{:.6e}", timing.interval())),

@@ -291,3 +291,28 @@ fn a_design_uses_what_the_laboratory_has() {
         assert!(error.contains(told), "{wrong}: {error}");
     }
 }
+
+/// All heights ten times too large contradict nothing, but strikers then seem to keep a third of
+/// their speed: the certificate says so.
+#[test]
+fn strikers_that_lose_most_of_their_speed_are_noted() {
+    let notes = |factor: f64| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let edit = |line: &str| match line.strip_prefix("height = \"") {
+            Some(rest) => {
+                let (number, unit) = rest.split_once(' ').expect("a unit");
+                let height: f64 = number.parse().expect("a number");
+                format!("height = \"{} {unit}", factor * height)
+            }
+            None => line.to_owned(),
+        };
+        write(folder.path(), |plan| plan.lines().map(edit).collect::<Vec<_>>().join("\n"));
+        let arguments = ["calibrate", "plan.toml", "--json", "--force", "--quiet"];
+        let printed = hertzscope(folder.path(), &arguments);
+        let found: serde_json::Value =
+            serde_json::from_slice(&printed.get_output().stdout).expect("JSON");
+        found["notes"].to_string()
+    };
+    assert!(!notes(1.0).contains("strikers leave"), "{}", notes(1.0));
+    assert!(notes(10.0).contains("strikers leave"), "{}", notes(10.0));
+}

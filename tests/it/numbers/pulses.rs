@@ -99,3 +99,54 @@ fn a_clipped_first_pulse_has_neither_height_nor_arrival() {
             && found["notes"].to_string().contains("take more volts")
     );
 }
+
+/// A Gaussian pulse of 3 V, 35 us from half to peak, at `centre` (s), in noise of so many volts, as
+/// a scope of 25 levels a volt shows it.
+fn shown(centre: f64, noise: f64, samples: u32, seed: u128) -> Trace {
+    let mut numbers = Pcg64::new(seed, 11);
+    let value = |i: u32| {
+        let deviate: f64 = StandardNormal.sample(&mut numbers);
+        let along = (1e-6 * f64::from(i) - centre) / 30e-6;
+        (25.0 * (3.0 * (-0.5 * along * along).exp() + noise * deviate)).round() / 25.0
+    };
+    let values = (0..samples).map(value).collect();
+    let (name, unit) = ("CH4".to_owned(), "V".to_owned());
+    Trace { name, unit, start: 0.0, interval: 1e-6, values }
+}
+
+/// A record that ends 20 us before the pulse's peak, 60 times: before, many of them had a first
+/// peak where the record ends.
+#[test]
+fn a_pulse_that_the_records_end_cuts_has_no_peak() {
+    for seed in 0..60 {
+        let trace = shown(1e-3, 0.02, 980, seed);
+        let conditions = Conditions { level: 0.04, ..Conditions::default() };
+        match Pulse::find(&trace, conditions) {
+            Err(error) => assert!(error.to_string().contains("longer record"), "{error}"),
+            Ok(pulse) => panic!("seed {seed}: a peak of {:?}", pulse.height()),
+        }
+    }
+}
+
+/// Arrivals at a tenth of the height in noise of 1.5 to 5 levels: the pulse is there 64.4 us before
+/// its peak (`sqrt(2 ln 10)` of 30 us); what is determined is covered.
+#[test]
+fn arrivals_at_a_tenth_are_covered_in_noise() {
+    for noise in [0.06, 0.08, 0.12, 0.2] {
+        let (mut inside, mut all) = (0, 0);
+        for seed in 0..400 {
+            let conditions = Conditions { level: 0.04, ..Conditions::default() };
+            let Ok(pulse) = Pulse::find(&shown(1e-3, noise, 2500, seed), conditions) else {
+                continue;
+            };
+            let Some(found) = pulse.arrival(Estimator::TenPercent) else { continue };
+            all += 1;
+            let truth = 1e-3 - 30e-6 * (2.0 * 10f64.ln()).sqrt();
+            inside += i32::from((found.value - truth).abs() <= found.expanded());
+        }
+        println!("{noise}: {inside} of {all}");
+        // Three standard deviations of the binomial below 93 %.
+        let least = 0.93 * f64::from(all) - 3.0 * (0.93 * 0.07 * f64::from(all)).sqrt();
+        assert!(f64::from(inside) >= least, "{noise}: {inside} of {all}");
+    }
+}
