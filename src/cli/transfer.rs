@@ -29,7 +29,7 @@ const NOISE_SHOTS: u32 = 8;
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// Recordings (.mcap), a scope's files (.csv, .isf), or folders of them, to average over; or a
-    /// scene, whose [drive] then plays noise
+    /// scene, whose drive then plays noise
     #[arg(required = true)]
     files: Vec<PathBuf>,
     /// The two signals, e.g. CH2,CH3; simulated ones by their names, e.g. p14,p27
