@@ -219,8 +219,8 @@ impl Baseline {
         self.disturbance.as_ref().map_or_else(|| vec![self.level; length], Disturbance::values)
     }
 
-    /// Modes of the zero's error at each of so many samples: independent, of standard deviation one
-    /// (unit).
+    /// Error of the zero at each sample, as a sum of independent modes: each is one standard
+    /// deviation (unit).
     pub fn modes(&self, length: usize) -> Vec<Vec<f64>> {
         if let Some(disturbance) = &self.disturbance {
             return disturbance.modes();

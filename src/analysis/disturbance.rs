@@ -122,8 +122,8 @@ pub struct KnownParts {
 }
 
 impl KnownParts {
-    /// No part yet of a record of `length` samples, `interval` (s) apart, with levels `level`
-    /// (unit) apart, whose signal has so many `unknowns`.
+    /// A record of `length` samples, `interval` (s) apart, of a digitiser whose levels are `level`
+    /// (unit) apart; the known signal has this number of `unknowns`. No part is known yet.
     pub fn new(length: usize, interval: f64, level: f64, unknowns: usize) -> Self {
         Self {
             interval,

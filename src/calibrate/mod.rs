@@ -34,7 +34,7 @@ mod tail;
 
 pub use error::CalibrationError;
 pub use monte_carlo::Draws;
-pub use plan_run::{PlanRunError, run};
+pub use plan_run::{PlanRunError, recording_hash, run};
 pub use record::Exclusion;
 pub use report::CalibrationReport;
 pub use result::{Calibration, ImpactResult, NonLinearity, PlannedStrike};

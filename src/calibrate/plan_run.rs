@@ -140,7 +140,7 @@ fn strike(
         let found = format!("channels {names} in {}", file.display());
         return Err(problem(found, &format!("{} over time", impact.channel)));
     };
-    let sha256 = hash(file, &opened)
+    let sha256 = recording_hash(file, &opened)
         .map_err(|error| problem(format!("{}: {error}", file.display()), "a file"))?;
     let waveform = &capture.waveform;
     let evidence = RecordingEvidence {
@@ -161,7 +161,12 @@ fn strike(
     Ok((PlannedStrike { record, motion }, evidence))
 }
 
-fn hash(file: &Path, set: &TraceSet) -> std::io::Result<String> {
+/// SHA-256 of a recording's `file`, or of the files that were read from a folder into `set`, in
+/// hexadecimal.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn recording_hash(file: &Path, set: &TraceSet) -> std::io::Result<String> {
     let mut hash = Sha256::new();
     if file.is_dir() {
         set.attachments.iter().for_each(|attachment| hash.update(&attachment.data));

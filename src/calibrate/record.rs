@@ -96,8 +96,8 @@ const TAIL_DELAY_SHARE: f64 = 0.3;
 /// The sum of the voltage begins this part of the rise before the contact is seen.
 const LEAD_DIVISOR: usize = 3;
 
-/// What all records of a range tell of one: how its samples scatter about smooth curves, and what
-/// disturbs it, if that is known.
+/// What the records at one V/div together tell about each of them: the scatter of its samples
+/// about smooth curves, and the disturbance of its baseline, if that is known.
 #[derive(Debug, Clone, Default)]
 pub struct Surroundings {
     /// Scatter about smooth curves.
@@ -134,7 +134,7 @@ pub struct PreparedRecord {
 }
 
 impl PreparedRecord {
-    /// Looks at `record` with what is known from all of its range.
+    /// Evaluates `record`, given what all records at its V/div tell.
     ///
     /// # Errors
     /// [`Exclusion`]: why it is no good.

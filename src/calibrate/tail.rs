@@ -5,9 +5,9 @@
 //! to `B` is `V[i] = -(1 - a) a^i B`; least squares of these gives `1 - a = 1 - exp(-dt/tau)`. On a
 //! quiet scope the signal behind the contact lingers between two levels, and rounding moves it and
 //! the zero together: for each zero that the codes at rest allow, what rounding adds on average to
-//! the signal found is taken off, and `1/tau` is the mean over these zeros; how it goes with the
-//! zero counts with the baseline. Valid where the sensor feels nothing behind the contact, as one
-//! that only the striker presses on.
+//! the signal found is taken off, and `1/tau` is the mean over these zeros; its change with the
+//! zero is part of the baseline's uncertainty. Valid if no force acts on the sensor after the
+//! contact, as on one that only the striker presses on.
 
 use super::record::{PreparedRecord, RawRecord, Surroundings};
 use crate::analysis::quiet_scope::{AtRest, PossibleZero};

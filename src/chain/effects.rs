@@ -124,6 +124,12 @@ pub struct ContactOverride {
     pub restitution: Option<Restitution>,
 }
 
+/// Whether `pair` names these two bodies, in either order.
+pub(crate) fn is_pair<T: AsRef<str>>([a, b]: &[T; 2], upper: &str, lower: &str) -> bool {
+    let (a, b) = (a.as_ref(), b.as_ref());
+    (a == upper && b == lower) || (a == lower && b == upper)
+}
+
 /// A loss's coefficients.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LossSpec {
@@ -148,10 +154,7 @@ impl LossSpec {
 
     /// The coefficient between the bodies so named (unit), or the restitution that it follows from.
     pub fn between(&self, upper: &str, lower: &str) -> (f64, Option<Restitution>) {
-        let own = self.overrides.iter().find(|o| {
-            let [a, b] = &o.between;
-            (a == upper && b == lower) || (a == lower && b == upper)
-        });
+        let own = self.overrides.iter().find(|own| is_pair(&own.between, upper, lower));
         own.map_or((self.value, self.restitution), |own| (own.value, own.restitution))
     }
 
@@ -198,10 +201,7 @@ pub struct ContactLaw {
 impl ContactLaw {
     /// Exponent (1) and `A` (N/m^p) of the contact between the bodies so named.
     pub fn of(&self, upper: &str, lower: &str) -> (f64, f64) {
-        let own = self
-            .between
-            .iter()
-            .find(|([a, b], ..)| (a == upper && b == lower) || (a == lower && b == upper));
+        let own = self.between.iter().find(|(pair, ..)| is_pair(pair, upper, lower));
         own.map_or((self.exponent, self.stiffness), |(_, exponent, stiffness)| {
             (*exponent, *stiffness)
         })

@@ -145,6 +145,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     };
     let provenance = Provenance {
         measured: &arguments.measured,
+        set: &set,
         scene: simulation.scene.as_ref(),
         uncertain: (&predicted.inputs, "uncertain inputs of the scene, in the simulated intervals"),
     };

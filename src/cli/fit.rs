@@ -200,6 +200,7 @@ fn run_fit(
         let fixed = fixed(&mut scene, &knobs)?;
         let provenance = Provenance {
             measured: Path::new(measured),
+            set: &set,
             scene: Some(&whole),
             uncertain: (&fixed, FIXED),
         };

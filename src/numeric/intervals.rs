@@ -51,7 +51,7 @@ pub fn normal_share(z: f64) -> f64 {
     0.5 * erfc(-z / SQRT_2)
 }
 
-/// Probability that chi squared of so many degrees of `freedom` exceeds `value` (1).
+/// Probability that a chi-squared variable with `freedom` degrees of freedom exceeds `value` (1).
 pub fn chi_squared_beyond(value: f64, freedom: f64) -> f64 {
     checked_gamma_ur(0.5 * freedom, 0.5 * value.max(f64::MIN_POSITIVE)).unwrap_or(f64::NAN)
 }

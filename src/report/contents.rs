@@ -157,7 +157,7 @@ fn capture_row(capture: &Capture) -> Vec<String> {
 
 /// A time in nanoseconds since 1970 as date and time of day, UTC. Calendar: E. M. Reingold and N.
 /// Dershowitz, Calendrical Calculations (2018), with March as the first month of a year.
-fn utc(nanoseconds: u64) -> String {
+pub fn utc(nanoseconds: u64) -> String {
     let seconds = nanoseconds / 1_000_000_000;
     let (days, second) = (seconds / 86_400 + 719_468, seconds % 86_400);
     let (era, day) = (days / 146_097, days % 146_097);

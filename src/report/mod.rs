@@ -38,7 +38,7 @@ mod work_precision;
 
 pub use arrivals::{arrivals, arrivals_picture};
 pub use comparison::{comparison_facts, comparison_page};
-pub use contents::{contents_after, contents_before, contents_of};
+pub use contents::{contents_after, contents_before, contents_of, utc};
 pub use effects::{effects, effects_picture, effects_table};
 pub use fit::{blind, fit_page};
 pub use forces::{ForcePage, force_picture, forces};

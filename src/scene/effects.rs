@@ -12,6 +12,7 @@ use super::table::{Bound, FromKey, FromTable, Key, Keys, Kind, Places, TableRead
 use super::table::{
     difference, effect, list_of, not_negative, quantity, table, text, texts, word, words,
 };
+use crate::chain::effects::is_pair;
 use crate::chain::{
     ContactLaw, ContactOverride, EffectsSpec, EndOfContact, Gravity, LOSS_MODELS,
     LinearisedContacts, LossSpec, MagnetForce, MagnetLaw, MagnetPreload, PlacedAt, PlacedMagnet,
@@ -205,7 +206,7 @@ fn two_kinds(
         table.problem("between", format!("{} names", names.len()), "two kinds of bodies");
         return None;
     };
-    let meets = |(a, b): &(&str, &str)| (a == upper && b == lower) || (a == lower && b == upper);
+    let meets = |(a, b): &(&str, &str)| is_pair(&[*a, *b], upper, lower);
     if !pairs.is_empty() && !pairs.iter().any(meets) {
         let found = format!("\"{upper}\" and \"{lower}\", which do not touch");
         let mut known: Vec<&(&str, &str)> = pairs.iter().collect();

@@ -89,7 +89,8 @@ impl<'a> Bytes<'a> {
         })
     }
 
-    /// A number by its own digits: those of a float of 32 bits are the fewest that tell it.
+    /// The next number; a 32-bit float becomes the decimal number with the fewest digits that
+    /// rounds to it, 0.1 and not 0.100000001.
     pub fn digits(&mut self, kind: Number) -> Result<f64, RecordingError> {
         let value = self.number(kind)?;
         let shortest = || (value as f32).to_string().parse().unwrap_or(value);

@@ -1,8 +1,8 @@
 //! Binary files of other programs and instruments, turned into the text of a table.
 //!
-//! Stands between a file's bytes and the reader of tables (`tek_csv`), which decides what is a
-//! channel, in which unit, and on which grid, and says what it assumed. A file is recognised by its
-//! first bytes, whatever its name.
+//! A decoder for each format turns the bytes into columns; the reader of tables (`tek_csv`) then
+//! finds channels, units and sample times in them and notes what it assumed. A file's first bytes
+//! decide on its format, not its name.
 //!
 //! Values pass as their shortest digits that read back to the same number. Sources of the layouts:
 //! `NumPy`'s NEP 1; Microsoft, Multimedia Programming Interface (1991), for WAV; National

@@ -143,7 +143,7 @@ fn columns(data: &[u8], file: &str, name: &str) -> Result<Vec<BinaryColumn>, Rec
     Ok(columns)
 }
 
-/// What stands between `open` and `close` behind `key`.
+/// The text after `key` that `open` and `close` enclose.
 fn between<'a>(text: &'a str, key: &str, open: &str, close: &str) -> Option<&'a str> {
     let rest = text.split_once(key)?.1.split_once(open)?.1;
     rest.split_once(close).map(|(inside, _)| inside)

@@ -12,12 +12,12 @@ pub struct BinaryTable {
     pub columns: Vec<BinaryColumn>,
 }
 
-/// One column; none of a table has a name where the file has none.
+/// One column; the name is empty if the file gives none.
 #[derive(Debug, Default)]
 pub struct BinaryColumn {
     pub name: String,
     pub unit: String,
-    /// Its values; a number that is none is an empty cell (unit).
+    /// Its values; NaN becomes an empty cell (unit).
     pub cells: Vec<f64>,
 }
 

@@ -4,11 +4,11 @@ use super::bytes::{Bytes, Number};
 use super::table::{BinaryColumn, BinaryTable};
 use crate::recording::RecordingError;
 
-/// Samples that are whole numbers.
+/// Kind of samples: integers.
 const WHOLE: usize = 1;
-/// Samples that are floats.
+/// Kind of samples: floating-point numbers.
 const FLOAT: usize = 3;
-/// The kind stands in the first two bytes of a longer description.
+/// The extended header: the first two bytes of its sub-format give the kind of samples.
 const EXTENSIBLE: usize = 0xFFFE;
 
 pub fn read(data: &[u8], file: &str) -> Result<BinaryTable, RecordingError> {
@@ -38,7 +38,7 @@ pub fn read(data: &[u8], file: &str) -> Result<BinaryTable, RecordingError> {
             }
             (b"data", Some((kind, channels, rate, bits))) => {
                 let number = match (kind, bits) {
-                    // Eight bits are the ones that have no sign.
+                    // 8-bit samples are unsigned, all others signed.
                     (WHOLE, 8) => Number::Unsigned(1),
                     (WHOLE, 16 | 24 | 32) => Number::Signed(bits / 8),
                     (FLOAT, 32 | 64) => Number::Float(bits / 8),
