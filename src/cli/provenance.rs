@@ -30,14 +30,14 @@ impl Provenance<'_> {
     /// The section of a document.
     ///
     /// # Errors
-    /// A measurement that can no longer be read.
+    /// A measurement that can no longer be read, a `SOURCE_DATE_EPOCH` that is no date.
     pub fn parts(&self) -> anyhow::Result<Vec<Part>> {
         let row = |what: &str, text: String| vec![what.to_owned(), text];
         let command: Vec<String> =
             std::env::args_os().map(|word| quoted(&word.to_string_lossy())).collect();
         let mut rows = vec![
             vec![String::new(); 2],
-            row("date (UTC)", now()),
+            row("date (UTC)", now()?),
             row("program", concat!("hertzscope ", env!("CARGO_PKG_VERSION")).to_owned()),
             row("command", command.join(" ")),
         ];
@@ -66,10 +66,27 @@ fn quoted(word: &str) -> String {
     }
 }
 
-/// Date and time by the clock of this machine, in UTC.
-fn now() -> String {
-    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-    utc(u64::try_from(since.as_nanos()).unwrap_or(u64::MAX))
+/// Date and time in UTC, by the clock of this machine or, for documents that come out the same
+/// twice, by `SOURCE_DATE_EPOCH` (seconds since 1970, <https://reproducible-builds.org/specs/source-date-epoch/>).
+///
+/// # Errors
+/// A `SOURCE_DATE_EPOCH` that is no such number.
+fn now() -> anyhow::Result<String> {
+    let Some(set) = std::env::var_os("SOURCE_DATE_EPOCH") else {
+        let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+        return Ok(utc(u64::try_from(since.as_nanos()).unwrap_or(u64::MAX)));
+    };
+    let nanoseconds = set
+        .to_str()
+        .and_then(|seconds| seconds.parse::<u64>().ok())
+        .and_then(|seconds| seconds.checked_mul(1_000_000_000))
+        .with_context(|| {
+            format!(
+                "SOURCE_DATE_EPOCH is {set:?}, not a whole number of seconds since 1970; set it to \
+                 one, or unset it for today's date"
+            )
+        })?;
+    Ok(utc(nanoseconds))
 }
 
 #[cfg(test)]

@@ -37,6 +37,8 @@ fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 fn command(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_hertzscope"));
     command.current_dir(folder).args(arguments).stdin(Stdio::null());
+    // Reports say when they were made.
+    command.env("SOURCE_DATE_EPOCH", "1790000000");
     command.stdout(Stdio::null()).stderr(Stdio::piped());
     command
 }
