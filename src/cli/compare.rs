@@ -20,7 +20,7 @@ use crate::files;
 use crate::measurement::compare::mapping::Assignment;
 use crate::measurement::compare::score_limits::ScoreLimits;
 use crate::measurement::compare::{Align, Compared, ComparedShot, Comparison, compare};
-use crate::predict::{NormalisedError, TraceBand, judge, normalised_errors};
+use crate::predict::{JointTest, NormalisedError, TraceBand, judge, normalised_errors};
 use crate::recording::format::{Format, open_shot};
 use crate::recording::tek_csv::TableColumns;
 use crate::recording::{TraceSet, mcap};
@@ -43,8 +43,8 @@ pub struct Arguments {
     table: TableArguments,
     /// Limits of the scores, e.g. peak=5%,arrival=2us,rms=2lsb,correlation=0.99; also speed, gain,
     /// spectrum (%) and max (lsb, V, N)
-    /// [default: where the scene has `[uncertainty]`, a normalised error `E_n` of at most 1; else
-    /// rms=1lsb]
+    /// [default: where the scene has `[uncertainty]`, normalised errors `E_n` that 95 % of benches
+    /// as stated keep; else rms=1lsb]
     #[arg(long, value_name = "LIST", value_parser = ScoreLimits::parse)]
     tolerance: Option<ScoreLimits>,
     #[command(flatten)]
@@ -104,6 +104,8 @@ struct Scores<'a> {
     #[serde(flatten)]
     comparison: &'a Comparison,
     normalised_errors: Vec<NormalisedError>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    joint_test: Option<JointTest>,
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
@@ -133,10 +135,11 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let how = (arguments.align.into(), arguments.map.as_slice());
     let limits = arguments.tolerance.clone().unwrap_or_default();
     let mut compared = compare(measured, simulated, how, &limits)?;
-    let (errors, predicted) = errors(arguments, &simulation, &mut compared)?;
+    let ((normalised_errors, joint_test), predicted) =
+        errors(arguments, &simulation, &mut compared)?;
     fail_left_out(&arguments.sensor, &mut compared.comparison);
     let comparison = &compared.comparison;
-    let scores = Scores { comparison, normalised_errors: errors };
+    let scores = Scores { comparison, normalised_errors, joint_test };
     report::check_finite(&scores)?;
     let parts = |stem: &str| {
         let mut parts = report::comparison_page(&compared, &predicted.bands, stem);
@@ -184,16 +187,16 @@ struct Predicted {
     bands: Vec<TraceBand>,
 }
 
-/// Normalised errors where the simulated side is a scene that states its uncertainty, and what they
-/// are from; without a tolerance they give the verdict.
+/// Normalised errors and their joint test where the simulated side is a scene that states its
+/// uncertainty, and what they are from; without a tolerance they give the verdict.
 fn errors(
     arguments: &Arguments,
     simulation: &Simulation,
     compared: &mut Compared,
-) -> anyhow::Result<(Vec<NormalisedError>, Predicted)> {
+) -> anyhow::Result<((Vec<NormalisedError>, Option<JointTest>), Predicted)> {
     let is_uncertain = |scene: &Scene| !scene.uncertainty.is_empty();
     if !simulation.scene.as_ref().is_some_and(is_uncertain) {
-        return Ok((Vec::new(), Predicted::default()));
+        return Ok(((Vec::new(), None), Predicted::default()));
     }
     let predicted = arguments.draws.predict(&arguments.simulated, true, arguments.quiet)?;
     let errors = match arguments.tolerance {

@@ -15,10 +15,12 @@
 //! where outputs are nearly linear over the inputs' spread: the share that is left shows whether
 //! they are.
 
+mod joint;
 mod normalised;
 mod outputs;
 mod regression;
 
+pub use joint::JointTest;
 pub use normalised::{InputMove, NormalisedError, judge, normalised_errors};
 pub use outputs::{OutputInterval, TraceBand};
 pub use regression::InputShare;

@@ -34,6 +34,9 @@ pub struct OutputInterval {
     pub explained: f64,
     /// Each input's share, the largest first.
     pub inputs: Vec<InputShare>,
+    /// The value of each drawn bench, none where it has no such output (unit).
+    #[serde(skip)]
+    pub drawn: Vec<Option<f64>>,
 }
 
 /// Where 95 % of a channel's traces lie, sample by sample, without noise and rounding.
@@ -74,9 +77,10 @@ pub(super) fn intervals(
         let of = |outputs: &Vec<(String, &str, f64)>| {
             outputs.iter().find(|output| output.0 == *name).map(|output| output.2)
         };
-        let pairs = samples.iter().zip(&found);
+        let drawn: Vec<Option<f64>> = found.iter().map(of).collect();
+        let pairs = samples.iter().zip(&drawn);
         let pairs: Vec<(&[f64], f64)> =
-            pairs.filter_map(|((scores, _), outputs)| Some((*scores, of(outputs)?))).collect();
+            pairs.filter_map(|((scores, _), value)| Some((*scores, (*value)?))).collect();
         let found = regression(&pairs, inputs)?;
         let mut values = if found.explained >= LINEAR_SHARE {
             many_values(&found, &pairs, many)
@@ -97,6 +101,7 @@ pub(super) fn intervals(
             interval_95,
             explained,
             inputs,
+            drawn,
         })
     };
     all.iter().filter_map(interval).collect()

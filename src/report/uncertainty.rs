@@ -215,7 +215,8 @@ pub fn normalised_error_parts(errors: &[NormalisedError]) -> Vec<Part> {
             (shown(error.measured, error.unit), shown(error.simulated, error.unit));
         vec![error.quantity.clone(), measured, simulated, error.figure()]
     }));
-    let title = "normalised errors E_n, the difference over the combined U95: up to 1 agrees";
+    let title =
+        "normalised errors E_n, the difference over the combined U95: up to 1 agrees, each alone";
     let mut parts: Vec<Part> = Part::section(title, rows, &[0]).collect();
     if parts.is_empty() {
         return parts;
