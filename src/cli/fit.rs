@@ -24,7 +24,7 @@ use crate::quantity::{Dimension, Quantity};
 use crate::report;
 use crate::report::page::{picture, text};
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
-use crate::scene::random_inputs::{RandomInput, RandomInputs};
+use crate::scene::random_inputs::RandomInputs;
 
 /// Fit parameters of a scene to measured traces, with uncertainties: least squares, sensor and
 /// scope included
@@ -55,6 +55,14 @@ pub struct Arguments {
     /// [default: from the scope's and the sensor's files]
     #[arg(long, value_name = "SHARE", value_parser = quantity(Dimension::NONE, 0.0..1.0, "10%"))]
     gain_u: Option<f64>,
+    /// Relative standard uncertainty of the record's times, e.g. 0.1%; 0 for exact ones
+    /// [default: from the scope's file]
+    #[arg(long, value_name = "SHARE", value_parser = quantity(Dimension::NONE, 0.0..0.1, "0.1%"))]
+    time_base_u: Option<f64>,
+    /// Take all other numbers of the scene as exact, whatever its `[uncertainty]` states: faster,
+    /// and the results are those of noise alone
+    #[arg(long)]
+    exact_inputs: bool,
     /// Take the zeros of the channels as exact: do not fit an offset for each
     #[arg(long)]
     no_offsets: bool,
@@ -112,6 +120,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let options = FitOptions {
         gains: arguments.gains,
         gain_u: arguments.gain_u,
+        time_base_u: arguments.time_base_u,
+        exact_inputs: arguments.exact_inputs,
         offsets: !arguments.no_offsets,
         starts: arguments.starts,
         spread: arguments.spread,
@@ -191,18 +201,22 @@ fn run_fit(
     let found = found?;
     report::check_finite(&found.report)?;
     if let Some(file) = &arguments.output {
+        // Its numbers may come from the scene's files.
+        RandomInputs::of(&mut scene)?;
         let text = fitted_scene(&scene, &knobs, &found);
         files::write(file, text).with_context(|| file.display().to_string())?;
     }
     if let Some(file) = &arguments.report {
         let title = format!("{} fitted to {measured}", found.report.scene);
         let whole = scene.scene()?;
-        let fixed = fixed(&mut scene, &knobs)?;
+        let paths: Vec<&str> = knobs.iter().map(|knob| knob.path.as_str()).collect();
+        let inputs = RandomInputs::of(&mut scene)?.beside(&paths, &whole);
+        let meaning = if options.exact_inputs { FIXED } else { MOVED };
         let provenance = Provenance {
             measured: Path::new(measured),
             set: &set,
             scene: Some(&whole),
-            uncertain: (&fixed, FIXED),
+            uncertain: (inputs.list(), meaning),
         };
         let made_from = provenance.parts()?;
         let document = |stem: &str| [report::fit_page(&found, stem), made_from.clone()].concat();
@@ -217,29 +231,27 @@ fn run_fit(
     if found.report.only_noise_is_left { Ok(()) } else { Err(AnswerIsNo.into()) }
 }
 
-/// What a table of fixed inputs is called.
+/// What a table of inputs is called that are held, and of those that move.
 const FIXED: &str = "fixed values that the scene states as uncertain: the uncertainties above do not include them";
+const MOVED: &str = "values that the scene states as uncertain, each fitted within what it states";
 
-/// Uncertain inputs of `scene` that are neither freed nor gains and zeros, which are always fitted.
-fn fixed(scene: &mut Adjustable, freed: &[AdjustableNumber]) -> anyhow::Result<Vec<RandomInput>> {
-    let mut inputs = RandomInputs::of(scene)?.list().to_vec();
-    let is_fitted = |name: &str| {
-        freed.iter().any(|number| number.path == name)
-            || ["gain of ", "zero of "].iter().any(|of| name.starts_with(of))
-            || name.ends_with(".sensitivity")
-    };
-    inputs.retain(|input| !is_fitted(&input.name));
-    Ok(inputs)
-}
+/// Inputs are written to two digits below this share: seven in all (1).
+const INPUT_DIGITS: f64 = 1e-4;
 
 /// The fitted scene; digits two places beyond the uncertainty's.
 fn fitted_scene(scene: &Adjustable, knobs: &[AdjustableNumber], found: &Fit) -> String {
-    let values = knobs.iter().zip(&found.report.parameters).map(|(knob, parameter)| {
-        let digits = 3.0 - (parameter.u / knob.scale).log10().floor();
-        (knob, parameter.value, digits.clamp(0.0, 15.0) as usize)
+    let digits = |u: f64, scale: f64| {
+        let digits = 3.0 - (u / scale).log10().floor();
+        if digits.is_finite() { digits.clamp(0.0, 15.0) as usize } else { 15 }
+    };
+    let freed = knobs.iter().zip(&found.report.parameters).map(|(knob, parameter)| {
+        (knob, parameter.value, digits(parameter.u, knob.scale))
+    });
+    let moved = found.inputs.values(&found.scores).into_iter().map(|(knob, value)| {
+        (knob, value, digits(INPUT_DIGITS * value.abs(), knob.scale))
     });
     let title = format!("{} fitted to {}", found.report.scene, found.report.measured);
-    scene.derived(&values.collect::<Vec<_>>(), &title)
+    scene.derived(&freed.chain(moved).collect::<Vec<_>>(), &title)
 }
 
 fn run_blind(

@@ -10,6 +10,7 @@ use crate::experiment::{Integration, RunError, facts, run};
 use crate::measurement::compare::ComparedShot;
 use crate::numeric::statistics::Coverage;
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
+use crate::scene::random_inputs::RandomInputs;
 
 /// Stream of what is hidden.
 const BLIND_STREAM: u128 = 1 << 73;
@@ -93,7 +94,7 @@ pub fn blind(
                 (knob, knob.value * (1.0 + options.spread * (2.0 * share - 1.0)))
             })
             .collect();
-        match one(scene, (knobs, &truth), trial, options)? {
+        match one(scene, (knobs, &truth), (trial, &mut hidden), options)? {
             Ok(report) => {
                 for (place, (found, (_, truth))) in report.parameters.iter().zip(&truth).enumerate()
                 {
@@ -149,15 +150,25 @@ fn parameter(knob: &AdjustableNumber, coverage: &Coverage, mean_u_relative: f64)
 fn one(
     scene: &Adjustable,
     (knobs, truth): (&[AdjustableNumber], &[(&AdjustableNumber, f64)]),
-    trial: u32,
+    (trial, hidden): (u32, &mut Pcg64),
     options: &FitOptions,
 ) -> Result<Result<FitReport, FitError>, BlindError> {
-    let mut hiding = scene.with(truth).map_err(FitError::from)?;
+    let paths: Vec<&str> = knobs.iter().map(|knob| knob.path.as_str()).collect();
+    let mut scene = scene.clone();
+    let inputs = if options.exact_inputs {
+        RandomInputs::default()
+    } else {
+        let whole = scene.scene().map_err(FitError::from)?;
+        RandomInputs::of(&mut scene).map_err(FitError::from)?.beside(&paths, &whole)
+    };
+    let shares: Vec<f64> = inputs.list().iter().map(|_| StandardUniform.sample(hidden)).collect();
+    let scores = inputs.scores(&shares);
+    let mut hiding = inputs.scene(&scene, truth, &scores).map_err(FitError::from)?;
     hiding.seed = options.seed.wrapping_add(u64::from(trial));
     let integration = Integration::Accuracy(hiding.accuracy);
     let outcome = run(&hiding, integration, 1, &mut |_| ())?;
     let set = facts::recording(&hiding, integration, [outcome])?;
     let side = ComparedShot { name: "blind trial", set: &set, shot: &set.shots[0], scene: None };
     let once = FitOptions { starts: 1, ..*options };
-    Ok(fit((scene, knobs), side, &[], &once, &mut |_| ()).map(|fit| fit.report))
+    Ok(fit((&scene, knobs), side, &[], &once, &mut |_| ()).map(|fit| fit.report))
 }

@@ -5,6 +5,7 @@ use crate::analysis::least_squares::LeastSquaresError;
 use crate::measurement::compare::mapping::MappingError;
 use crate::quantity::engineering;
 use crate::scene::SceneError;
+use crate::scene::random_inputs::RandomInputsError;
 
 /// Errors of fitting a scene's numbers to measured traces.
 #[derive(Debug, thiserror::Error)]
@@ -59,6 +60,9 @@ pub enum FitError {
     /// The scene is wrong.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// The scene's `[uncertainty]` is wrong.
+    #[error(transparent)]
+    Inputs(#[from] RandomInputsError),
     /// No minimum from any start.
     #[error(transparent)]
     LeastSquares(#[from] LeastSquaresError),

@@ -32,13 +32,14 @@ pub use report::{ChannelResult, FitReport, Nuisance, Parameter};
 
 use std::time::Instant;
 
-use crate::analysis::least_squares::{LeastSquaresError, Minimum};
+use crate::analysis::least_squares::{LeastSquaresError, Minimum, minimise};
 use crate::measurement::compare::ComparedShot;
 use crate::measurement::compare::mapping::Assignment;
 use crate::numeric::intervals::NORMAL_95;
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
+use crate::scene::random_inputs::RandomInputs;
 use model::TraceModel;
-use options::{EXPECTED_STEPS, MAX_DURATIONS, SAMPLE_RANGE, STOP_CRITERIA};
+use options::{EXPECTED_STEPS, INPUT_STOP_CRITERIA, MAX_DURATIONS, SAMPLE_RANGE, STOP_CRITERIA};
 
 /// A fit with its traces.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,6 +50,10 @@ pub struct Fit {
     pub records: Records,
     /// Traces of the fitted scene, one a channel (V).
     pub shown: Vec<Vec<f64>>,
+    /// The scene's other uncertain inputs, which moved within what is known of them.
+    pub inputs: RandomInputs,
+    /// Where they are, in their standard uncertainties (1).
+    pub scores: Vec<f64>,
 }
 
 /// Fits `knobs` of `scene` to `measured`; `progress` is called with the share of the work done, as
@@ -66,9 +71,10 @@ pub fn fit(
 ) -> Result<Fit, FitError> {
     let began = Instant::now();
     check(knobs)?;
-    let freed: Vec<&str> = knobs.iter().map(|knob| knob.path.as_str()).collect();
-    let records = Records::of(measured, &scene.scene()?, assignments, (options, &freed))?;
-    check_times(&records, scene.scene()?.duration)?;
+    let freed_paths: Vec<&str> = knobs.iter().map(|knob| knob.path.as_str()).collect();
+    let whole = scene.scene()?;
+    let records = Records::of(measured, &whole, assignments, (options, &freed_paths))?;
+    check_times(&records, whole.duration)?;
     let runs_a_step = 2.0 * f64::from(u32::try_from(knobs.len()).unwrap_or(u32::MAX)) + 1.0;
     let expected = f64::from(options.starts) * EXPECTED_STEPS * runs_a_step;
     let mut done = 0.0;
@@ -77,8 +83,16 @@ pub fn fit(
         progress((done / expected).min(0.99));
     };
     let freed = (options.offsets, options.accuracy);
-    let mut model = TraceModel::new(scene, knobs, &records, freed, &mut report);
+    let mut scene = scene.clone();
+    let inputs = if options.exact_inputs {
+        RandomInputs::default()
+    } else {
+        RandomInputs::of(&mut scene)?.beside(&freed_paths, &whole)
+    };
+    let mut model = TraceModel::new(&scene, knobs, &records, freed, &mut report);
     let (minimum, starts) = search::best(&mut model, options)?;
+    let minimum = with_inputs(&mut model, minimum, inputs)?;
+    let inputs = model.inputs.clone();
     let names = model.names();
     let shown = model.shown(&minimum.x).ok_or(LeastSquaresError::NoStart)?;
     let covariance = covariance::of(&minimum, &records, &shown)
@@ -96,7 +110,9 @@ pub fn fit(
             return Err(FitError::Undetermined { parameter: knob.path.clone(), with });
         }
     }
-    let wanted = |place: usize| options.profile || profile::is_bad(&minimum.x, &covariance, place);
+    // Inputs that the scene states are known: nothing is badly determined beside them.
+    let found = &minimum.x[..minimum.x.len() - inputs.count()];
+    let wanted = |place: usize| options.profile || profile::is_bad(found, &covariance, place);
     let mut profiles = Vec::new();
     for (place, knob) in knobs.iter().enumerate() {
         if wanted(place) {
@@ -109,10 +125,47 @@ pub fn fit(
         }
     }
     let runs = model.runs;
-    let found =
-        report::FittedMinimum { minimum: &minimum, covariance, names, profiles, starts, runs };
-    let report = found.report((measured, scene), knobs, (&records, options), began);
-    Ok(Fit { report, records, shown })
+    let is_held = inputs.count() == 0;
+    let taken_as_exact = is_held
+        .then(|| records::taken_as_exact(&whole, &freed_paths))
+        .flatten()
+        .into_iter()
+        .collect();
+    let found = report::FittedMinimum {
+        minimum: &minimum,
+        covariance,
+        names,
+        inputs: &inputs,
+        taken_as_exact,
+        profiles,
+        starts,
+        runs,
+    };
+    let report = found.report((measured, &scene), knobs, (&records, options), began);
+    let scores = minimum.x[minimum.x.len() - inputs.count()..].to_vec();
+    Ok(Fit { report, records, shown, inputs, scores })
+}
+
+/// The minimum near `minimum` where the scene's other uncertain `inputs` may move, too; the same
+/// minimum, and no inputs, where steps do not lead there: the scene leaves something out.
+fn with_inputs(
+    model: &mut TraceModel<'_>,
+    minimum: Minimum,
+    inputs: RandomInputs,
+) -> Result<Minimum, FitError> {
+    if inputs.count() == 0 {
+        return Ok(minimum);
+    }
+    let mut start = minimum.x.clone();
+    start.extend(inputs.own_scores());
+    model.inputs = inputs;
+    match minimise(model, &start, INPUT_STOP_CRITERIA) {
+        Err(LeastSquaresError::NotConverged { .. }) => {
+            model.inputs = RandomInputs::default();
+            Ok(minimum)
+        }
+        found => Ok(found?),
+    }
 }
 
 fn check(knobs: &[AdjustableNumber]) -> Result<(), FitError> {

@@ -1,22 +1,29 @@
 //! The residuals of a fit and their derivatives.
 //!
 //! Parameters, in this order: each freed number of the scene over its starting value; the time of
-//! the trigger after the striker's first contact, in sample intervals; a factor for each channel
-//! whose gain is not exact, with a residual `(g - 1)/u` where `u` is known; with `offsets`, a zero
-//! for each channel, in levels. The scene's numbers are differentiated by central differences with
-//! steps of about one standard deviation, the rest in closed form.
+//! the trigger after the striker's first contact, in sample intervals; where times are not exact,
+//! by how many of its standard uncertainties the time base is off; a factor for each channel whose
+//! gain is not exact, with a residual `(g - 1)/u` where `u` is known; with `offsets`, a zero for
+//! each channel, in levels; in the end the scores of the scene's other uncertain inputs. Time base
+//! and scores are residuals, too: what is known of them, as normal distributions. The scene's
+//! numbers are differentiated by central differences with steps of about one standard deviation,
+//! the rest in closed form.
 
 use super::forward::{TimeAxis, forces_at};
 use super::records::{ChannelRecord, Records};
 use crate::analysis::correlation::correlate;
 use crate::analysis::least_squares::{LeastSquaresProblem, squares};
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
+use crate::scene::random_inputs::RandomInputs;
 
 /// First step of the differences, relative (1).
 const FIRST_STEP: f64 = 1e-3;
 /// Shortest and longest step, relative: shorter ones drown in the integration's error, longer ones
 /// see the curvature (1).
 const DIFFERENCE_STEPS: (f64, f64) = (1e-5, 1e-2);
+/// The same for scores, in standard uncertainties, which are about a hundredth of a number (1).
+const FIRST_SCORE_STEP: f64 = 0.1;
+const SCORE_STEPS: (f64, f64) = (1e-3, 1.0);
 /// A number that is off by a larger factor from where it starts describes another bench, and could
 /// take any time to run (1).
 const MAX_PARAMETER_FACTOR: f64 = 20.0;
@@ -31,6 +38,8 @@ pub struct TraceModel<'a> {
     pub knobs: &'a [AdjustableNumber],
     /// The measured records.
     pub records: &'a Records,
+    /// The scene's other uncertain inputs; none on the way to the minimum.
+    pub inputs: RandomInputs,
     /// Whether each channel has an offset of its own.
     pub offsets: bool,
     /// Whether these stay where they are for now.
@@ -44,6 +53,7 @@ pub struct TraceModel<'a> {
     pub progress: &'a mut dyn FnMut(),
     /// Runs so far.
     pub runs: u64,
+    /// Steps of the differences, by the parameter's place.
     steps: Vec<f64>,
     /// Traces at the last point that residuals were asked for.
     last: Option<(Vec<f64>, Vec<Vec<f64>>)>,
@@ -64,6 +74,7 @@ impl<'a> TraceModel<'a> {
             scene,
             knobs,
             records,
+            inputs: RandomInputs::default(),
             offsets,
             holds_offsets: false,
             accuracy,
@@ -79,11 +90,15 @@ impl<'a> TraceModel<'a> {
     pub fn names(&self) -> Vec<String> {
         let mut names: Vec<String> = self.knobs.iter().map(|knob| knob.path.clone()).collect();
         names.push("trigger time".to_owned());
+        if self.has_time_base() {
+            names.push("time base".to_owned());
+        }
         names.extend(self.with_gain().map(|record| format!("gain of {}", record.name)));
         if self.offsets {
             let offset = |record: &ChannelRecord| format!("offset of {}", record.name);
             names.extend(self.records.list.iter().map(offset));
         }
+        names.extend(self.inputs.list().iter().map(|input| input.name.clone()));
         names
     }
 
@@ -93,6 +108,7 @@ impl<'a> TraceModel<'a> {
         let trigger = self.find_trigger(factors)?;
         let mut x = factors.to_vec();
         x.push(trigger / self.records.axis.interval);
+        x.extend(self.has_time_base().then_some(0.0));
         x.extend(self.with_gain().map(|_| 1.0));
         if self.offsets {
             x.extend(self.records.list.iter().map(|r| r.baseline / r.level));
@@ -103,7 +119,7 @@ impl<'a> TraceModel<'a> {
     /// The scene's part of the traces, one sample longer at both ends (V).
     fn traces(
         &mut self,
-        factors: &[f64],
+        (factors, scores): (&[f64], &[f64]),
         axis: TimeAxis,
         trigger: f64,
         accuracy: f64,
@@ -119,7 +135,7 @@ impl<'a> TraceModel<'a> {
         if !factors.iter().all(sane) {
             return None;
         }
-        let mut scene = self.scene.with(&values).ok()?;
+        let mut scene = self.inputs.scene(self.scene, &values, scores).ok()?;
         // The fit knows the plates by their data only.
         scene.sensor_tolerance = None;
         self.runs += 1;
@@ -136,7 +152,7 @@ impl<'a> TraceModel<'a> {
         let after = scene.duration + length;
         let count = axis.count + (after / axis.interval).ceil() as usize;
         let long = TimeAxis { start: -length, interval: axis.interval, count };
-        let traces = self.traces(factors, long, 0.0, TRIGGER_ACCURACY)?;
+        let traces = self.traces((factors, &[]), long, 0.0, TRIGGER_ACCURACY)?;
         let mut cost = vec![0.0; count + 1 - axis.count];
         for (record, trace) in self.records.list.iter().zip(&traces) {
             let measured: Vec<f64> = record.volts.iter().map(|v| v - record.baseline).collect();
@@ -156,13 +172,28 @@ impl<'a> TraceModel<'a> {
 
     fn at(&mut self, x: &[f64]) -> Option<Vec<Vec<f64>>> {
         let (factors, rest) = x.split_at(self.knobs.len());
-        let axis = self.records.axis;
-        self.traces(factors, axis, rest.first()? * axis.interval, self.accuracy)
+        let (_, scores) = x.split_at(x.len() - self.inputs.count());
+        let TimeAxis { start, interval, count } = self.records.axis;
+        let trigger = rest.first()? * interval;
+        let longer = 1.0 + self.time_base(x) * self.records.time_base_u;
+        let axis = TimeAxis { start: start * longer, interval: interval * longer, count };
+        self.traces((factors, scores), axis, trigger, self.accuracy)
+    }
+
+    /// Whether the time base is a parameter.
+    fn has_time_base(&self) -> bool {
+        self.records.time_base_u > 0.0
+    }
+
+    /// By how many of its standard uncertainties the time base is off (1).
+    fn time_base(&self, x: &[f64]) -> f64 {
+        if self.has_time_base() { x[self.knobs.len() + 1] } else { 0.0 }
     }
 
     /// Gain and offset (V) of each channel.
     fn nuisances(&self, x: &[f64]) -> Vec<(f64, f64)> {
-        let mut rest = x[self.knobs.len() + 1..].iter().copied();
+        let first = self.knobs.len() + 1 + usize::from(self.has_time_base());
+        let mut rest = x[first..].iter().copied();
         let mut next = |free: bool, fixed: f64| {
             if free { rest.next().unwrap_or(fixed) } else { fixed }
         };
@@ -177,13 +208,22 @@ impl<'a> TraceModel<'a> {
         self.records.list.iter().filter(|record| record.gain_u > 0.0)
     }
 
-    /// What the gains are off by what is known of them, in its standard deviations: residuals
-    /// behind those of the samples (1).
+    /// What time base, gains and inputs are off by what is known of them, in its standard
+    /// deviations: residuals behind those of the samples (1).
     fn priors(&self, x: &[f64]) -> Vec<f64> {
         let nuisances = self.nuisances(x);
         let gains = self.records.list.iter().zip(&nuisances);
         let known = gains.filter(|(record, _)| record.has_prior());
-        known.map(|(record, (gain, _))| (gain - 1.0) / record.gain_u).collect()
+        let gains = known.map(|(record, (gain, _))| (gain - 1.0) / record.gain_u);
+        let time_base = self.has_time_base().then(|| self.time_base(x));
+        let scores = &x[x.len() - self.inputs.count()..];
+        time_base.into_iter().chain(gains).chain(scores.iter().copied()).collect()
+    }
+
+    /// Number of them.
+    fn prior_count(&self) -> usize {
+        let gains = self.records.list.iter().filter(|record| record.has_prior()).count();
+        usize::from(self.has_time_base()) + gains + self.inputs.count()
     }
 
     /// The modelled traces, one a channel (V).
@@ -225,13 +265,27 @@ impl<'a> TraceModel<'a> {
                 if counts { -value(channel, around) / record.sigma } else { 0.0 }
             }));
         }
-        column.resize(column.len() + self.records.priors(), 0.0);
+        column.resize(column.len() + self.prior_count(), 0.0);
         column
     }
 
-    /// Derivative by the freed number `place`.
-    fn by_knob(&mut self, x: &[f64], at: &[f64], place: usize) -> Option<Vec<f64>> {
-        let step = *self.steps.get(place)?;
+    /// Derivative by the time base, from those `slope` by a sample interval of the trigger: each
+    /// sample is later by the same share of its time.
+    fn by_time_base(&self, traces: &[Vec<f64>], slope: &dyn Fn(usize, &[f64]) -> f64) -> Vec<f64> {
+        let mut column = self.column(traces, None, slope);
+        let axis = self.records.axis;
+        let samples = self.records.list.len() * axis.count;
+        for (index, value) in column[..samples].iter_mut().enumerate() {
+            let time = axis.start / axis.interval + (index % axis.count) as f64;
+            *value *= time * self.records.time_base_u;
+        }
+        column[samples] = 1.0;
+        column
+    }
+
+    /// Derivative by parameter `place`, a freed number or a score, by central differences.
+    fn by_difference(&mut self, x: &[f64], at: &[f64], place: usize) -> Option<Vec<f64>> {
+        let step = self.steps.get(place).copied().unwrap_or(FIRST_SCORE_STEP);
         let mut side = |by: f64| {
             let mut there = x.to_vec();
             there[place] += by;
@@ -247,14 +301,16 @@ impl<'a> TraceModel<'a> {
         };
         let column: Vec<f64> = high.iter().zip(&low).map(|(h, l)| (h - l) / apart).collect();
         let deviation = 1.0 / squares(&column).sqrt();
-        self.steps[place] = deviation.clamp(DIFFERENCE_STEPS.0, DIFFERENCE_STEPS.1);
+        let (least, most) = if place < self.knobs.len() { DIFFERENCE_STEPS } else { SCORE_STEPS };
+        self.steps.resize(self.steps.len().max(place + 1), FIRST_SCORE_STEP);
+        self.steps[place] = deviation.clamp(least, most);
         Some(column)
     }
 }
 
 impl LeastSquaresProblem for TraceModel<'_> {
     fn counted(&self, _: &[f64]) -> usize {
-        self.records.counted(self.horizon) + self.records.priors()
+        self.records.counted(self.horizon) + self.prior_count()
     }
 
     fn residuals(&mut self, x: &[f64]) -> Option<Vec<f64>> {
@@ -272,15 +328,18 @@ impl LeastSquaresProblem for TraceModel<'_> {
         };
         let mut columns = Vec::with_capacity(x.len());
         for place in 0..self.knobs.len() {
-            columns.push(self.by_knob(x, at, place)?);
+            columns.push(self.by_difference(x, at, place)?);
         }
         let nuisances = self.nuisances(x);
         // A later trigger shows a later part of the motion.
         let slope =
             |channel: usize, around: &[f64]| nuisances[channel].0 * 0.5 * (around[2] - around[0]);
         columns.push(self.column(&traces, None, &slope));
-        let samples = self.records.list.len() * self.records.axis.count;
-        let mut prior = samples;
+        let mut prior = self.records.list.len() * self.records.axis.count;
+        if self.has_time_base() {
+            columns.push(self.by_time_base(&traces, &slope));
+            prior += 1;
+        }
         for (channel, record) in self.records.list.iter().enumerate() {
             if record.gain_u <= 0.0 {
                 continue;
@@ -297,6 +356,9 @@ impl LeastSquaresProblem for TraceModel<'_> {
                 let level = if self.holds_offsets { 0.0 } else { record.level };
                 columns.push(self.column(&traces, Some(channel), &|_, _| level));
             }
+        }
+        for place in x.len() - self.inputs.count()..x.len() {
+            columns.push(self.by_difference(x, at, place)?);
         }
         Some(columns)
     }

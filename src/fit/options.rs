@@ -9,6 +9,10 @@ use crate::analysis::least_squares::StopCriteria;
 /// of its uncertainty (1).
 pub(super) const STOP_CRITERIA: StopCriteria = StopCriteria { reduction: 1e-11, steps: 60 };
 
+/// With the scene's other inputs, of which some are hardly determined: no parameter moves by a
+/// hundredth of its uncertainty (1).
+pub(super) const INPUT_STOP_CRITERIA: StopCriteria = StopCriteria { reduction: 1e-8, steps: 30 };
+
 /// Samples in a scene's duration: fewer show no pulse, more are another experiment (1).
 pub(super) const SAMPLE_RANGE: RangeInclusive<f64> = 16.0..=200_000.0;
 
@@ -23,6 +27,10 @@ pub struct FitOptions {
     /// Relative standard uncertainty of each channel's gain, 0 for exact ones; none takes the
     /// scope's and the sensor's files (1).
     pub gain_u: Option<f64>,
+    /// Relative standard uncertainty of the record's times; none takes the scope's file (1).
+    pub time_base_u: Option<f64>,
+    /// Whether numbers of the scene that are not freed are exact, whatever it states of them.
+    pub exact_inputs: bool,
     /// Whether each channel has an offset of its own.
     pub offsets: bool,
     /// Number of starting points, the scene's numbers first.
@@ -44,6 +52,8 @@ impl Default for FitOptions {
         Self {
             gains: false,
             gain_u: None,
+            time_base_u: None,
+            exact_inputs: false,
             offsets: true,
             starts: 3,
             spread: 0.1,

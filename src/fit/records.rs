@@ -67,6 +67,8 @@ pub struct Records {
     pub axis: TimeAxis,
     /// The channels.
     pub list: Vec<ChannelRecord>,
+    /// Relative standard uncertainty of the axis' times, 0 for exact ones (1).
+    pub time_base_u: f64,
     /// Notes on guesses and on omitted records.
     pub notes: Vec<String>,
 }
@@ -116,13 +118,9 @@ impl Records {
         let axis =
             found.ok_or_else(|| FitError::NoSamples { channel: measured.name.to_owned() })?;
         notes.extend(gain_note(&list));
-        notes.extend(taken_as_exact(scene, freed));
-        Ok(Self { axis, list, notes })
-    }
-
-    /// Number of gains that something is known of.
-    pub fn priors(&self) -> usize {
-        self.list.iter().filter(|record| record.has_prior()).count()
+        let is_exact = metadata::is_scope_exact(measured.set);
+        let by_file = if is_exact { 0.0 } else { scene.scope.model.accuracy.time / 3f64.sqrt() };
+        Ok(Self { axis, list, time_base_u: options.time_base_u.unwrap_or(by_file), notes })
     }
 
     /// The scene's channels and their front panels.
@@ -153,10 +151,12 @@ fn gain_of(
     }
     let placed = scene.sensors.iter().find(|placed| Some(&placed.name) == record.sensor.as_ref());
     let known = placed.map(|placed| placed.sensor.measured).unwrap_or_default();
-    let is_freed = placed.is_some_and(|placed| {
-        freed.contains(&format!("sensors.{}.sensitivity", placed.name).as_str())
+    // Where the scene states it, it is one of the scene's inputs.
+    let is_input = placed.is_some_and(|placed| {
+        let path = format!("sensors.{}.sensitivity", placed.name);
+        freed.contains(&path.as_str()) || scene.states_uncertainty_of(&path)
     });
-    let sensitivity = known.sensitivity_u.filter(|_| !is_freed).unwrap_or(0.0);
+    let sensitivity = known.sensitivity_u.filter(|_| !is_input).unwrap_or(0.0);
     let number = record.name.trim_start_matches("CH").parse().unwrap_or(0);
     let scope = if metadata::is_scope_exact(measured.set) {
         0.0
@@ -166,8 +166,8 @@ fn gain_of(
     scope.hypot(sensitivity)
 }
 
-/// The note on inputs whose uncertainty the scene states, and the fit does not count.
-fn taken_as_exact(scene: &Scene, freed: &[&str]) -> Option<String> {
+/// The note on inputs whose uncertainty the scene states, and a fit that holds them does not count.
+pub fn taken_as_exact(scene: &Scene, freed: &[&str]) -> Option<String> {
     let others = scene.uncertainty.iter().map(|input| input.path.as_str());
     let others: Vec<&str> = others.filter(|path| !freed.contains(path)).collect();
     let shown = others.iter().take(MAX_SHOWN_INPUTS).copied().collect::<Vec<_>>().join(", ");

@@ -11,6 +11,7 @@ use crate::analysis::least_squares::{Minimum, squares};
 use crate::measurement::compare::ComparedShot;
 use crate::numeric::intervals::NORMAL_95;
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
+use crate::scene::random_inputs::{RandomInput, RandomInputs};
 
 /// A larger residual variance than this is no chance (1).
 const MAX_RESIDUAL_VARIANCE: f64 = 1.3;
@@ -21,10 +22,13 @@ const MAX_AUTOCORRELATION: f64 = 0.1;
 /// A common rounding error of more than this, in squares of a level, makes neighbouring residuals
 /// alike (1).
 const QUIET: f64 = 1e-4;
+/// An input that is farther from what is known of it is noted: by chance 1 in 400 is, in standard
+/// uncertainties (1).
+const FAR_OFF: f64 = 3.0;
 /// Starts whose chi squared is within this share of the lowest found the same minimum (1).
 const MINIMUM_TOLERANCE: f64 = 1e-3;
 
-/// One freed number.
+/// One freed number, or another one that the scene states as uncertain.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Parameter {
     /// Its path in the scene.
@@ -33,7 +37,7 @@ pub struct Parameter {
     pub unit: String,
     /// How many SI units that is (unit).
     pub unit_in_si: f64,
-    /// Where the fit started, in SI units (unit).
+    /// Where the fit started, or what the scene states, in SI units (unit).
     pub start: f64,
     /// The fitted value, in SI units (unit).
     pub value: f64,
@@ -88,6 +92,8 @@ pub struct FitReport {
     pub parameters: Vec<Parameter>,
     /// The nuisance parameters.
     pub nuisances: Vec<Nuisance>,
+    /// Other numbers that the scene states as uncertain, which moved within what is known of them.
+    pub inputs: Vec<Parameter>,
     /// Names of all parameters, in the order of the correlations.
     pub names: Vec<String>,
     /// Correlations of all parameters (1).
@@ -125,6 +131,10 @@ pub struct FittedMinimum<'a> {
     pub covariance: Vec<Vec<f64>>,
     /// Their names.
     pub names: Vec<String>,
+    /// The last of them: the scene's other uncertain inputs.
+    pub inputs: &'a RandomInputs,
+    /// Note on inputs that were held.
+    pub taken_as_exact: Vec<String>,
     /// Profiles of some.
     pub profiles: Vec<Profile>,
     /// Chi squared of each start (1).
@@ -145,19 +155,18 @@ impl FittedMinimum<'_> {
         let u = |place: usize| self.covariance[place][place].sqrt();
         let x = &self.minimum.x;
         let parameters = knobs.iter().enumerate().map(|(place, knob)| {
-            let (value, u) = (x[place] * knob.value, u(place) * knob.value.abs());
-            Parameter {
-                path: knob.path.clone(),
-                unit: knob.unit.clone(),
-                unit_in_si: knob.scale,
-                start: knob.value,
-                value,
-                u,
-                expanded: NORMAL_95 * u,
-                u_relative: u / value.abs(),
-                interval_95: [value - NORMAL_95 * u, value + NORMAL_95 * u],
-            }
+            parameter(knob, x[place] * knob.value, u(place) * knob.value.abs())
         });
+        let (list, scores) = (self.inputs.list(), &x[x.len() - self.inputs.count()..]);
+        let others = self.inputs.first_values(scores);
+        let first = x.len() - list.len();
+        let inputs: Vec<Parameter> = (first..)
+            .zip(list.iter().zip(others))
+            .map(|(place, (input, (knob, value)))| Parameter {
+                path: input.name.clone(),
+                ..parameter(knob, value, u(place) * input.u)
+            })
+            .collect();
         let correlation = |i: usize, j: usize| {
             if i == j { 1.0 } else { self.covariance[i][j] / (u(i) * u(j)) }
         };
@@ -171,7 +180,9 @@ impl FittedMinimum<'_> {
                 1.0
             }
         });
-        let units: Vec<f64> = knobs.iter().map(|knob| knob.value).chain(along).collect();
+        let input_us = list.iter().map(|input| input.u);
+        let units: Vec<f64> =
+            knobs.iter().map(|knob| knob.value).chain(along).chain(input_us).collect();
         let covariance = |i: usize, j: usize| self.covariance[i][j] * units[i] * units[j];
         let channels: Vec<ChannelResult> = records
             .list
@@ -185,6 +196,7 @@ impl FittedMinimum<'_> {
             scene: scene.name().to_owned(),
             parameters: parameters.collect(),
             nuisances,
+            inputs,
             correlation: all
                 .clone()
                 .map(|i| all.clone().map(|j| correlation(i, j)).collect())
@@ -198,7 +210,12 @@ impl FittedMinimum<'_> {
             degrees_of_freedom: self.minimum.degrees_of_freedom,
             residual_variance: self.minimum.variance(),
             only_noise_is_left: leftover.is_none(),
-            notes: notes(self.minimum, records, leftover, &self.starts),
+            notes: [
+                notes(self.minimum, records, leftover, &self.starts),
+                far_off(self.inputs, scores),
+                self.taken_as_exact,
+            ]
+            .concat(),
             channels,
             profiles: self.profiles,
             starts: self.starts,
@@ -224,6 +241,9 @@ fn nuisances(
         place += 1;
     };
     take("trigger time".to_owned(), records.axis.interval);
+    if records.time_base_u > 0.0 {
+        take("time base".to_owned(), records.time_base_u);
+    }
     let gains = records.list.iter().filter(|record| record.gain_u > 0.0);
     gains.for_each(|record| take(format!("gain of {}", record.name), 1.0));
     if options.offsets {
@@ -246,6 +266,32 @@ fn channel(record: &ChannelRecord, residuals: &[f64]) -> ChannelResult {
         max_lsb: residuals.iter().fold(0.0, |most: f64, r| most.max(r.abs())) * in_levels,
         lag_one: if whole > 0.0 { neighbours / whole } else { 0.0 },
     }
+}
+
+fn parameter(knob: &AdjustableNumber, value: f64, u: f64) -> Parameter {
+    Parameter {
+        path: knob.path.clone(),
+        unit: knob.unit.clone(),
+        unit_in_si: knob.scale,
+        start: knob.value,
+        value,
+        u,
+        expanded: NORMAL_95 * u,
+        u_relative: u / value.abs(),
+        interval_95: [value - NORMAL_95 * u, value + NORMAL_95 * u],
+    }
+}
+
+/// Notes on inputs that are far from what the scene states.
+fn far_off(inputs: &RandomInputs, scores: &[f64]) -> Vec<String> {
+    let far = inputs.list().iter().zip(scores).filter(|(_, score)| score.abs() > FAR_OFF);
+    let note = |(input, score): (&RandomInput, &f64)| {
+        format!(
+            "{} came out {score:+.1} of its standard uncertainties from what the scene states: check it",
+            input.name
+        )
+    };
+    far.map(note).collect()
 }
 
 /// What says that more than noise is left, if anything does.

@@ -99,8 +99,8 @@ impl JointTest {
     }
 }
 
-/// The largest `E_n` if `bench` were measured, with errors from `numbers`; none where it has none of
-/// the outputs.
+/// The largest `E_n` if `bench` were measured, with errors from `numbers`; none where it has none
+/// of the outputs.
 fn largest(quantities: &[JointQuantity], bench: usize, numbers: &mut Pcg64) -> Option<f64> {
     let mut scores: BTreeMap<&str, [f64; 2]> = BTreeMap::new();
     let mut largest: Option<f64> = None;
@@ -129,8 +129,8 @@ mod tests {
         JointQuantity { e_n: 0.5, expanded: 1.959964, drawn: vec![Some(0.0); 100], own: vec![own] }
     }
 
-    /// One quantity has the limit 1, and 0.5 is exceeded in `2 Phi(-0.98)` = 32.7 % of cases; of two
-    /// independent ones the largest is below 2.2365/1.9600 in 95 % (Šidák: each in 97.47 %); the
+    /// One quantity has the limit 1, and 0.5 is exceeded in `2 Phi(-0.98)` = 32.7 % of cases; of
+    /// two independent ones the largest is below 2.2365/1.9600 in 95 % (Šidák: each in 97.47 %); the
     /// same error twice is one.
     #[test]
     fn limits_are_those_of_independent_quantities() {

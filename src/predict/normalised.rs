@@ -8,8 +8,8 @@
 //! their own standard uncertainties, that take the prediction to the measurement:
 //! `d_i = (m - s) b_i / sum of b_j^2`, `b` the changes with one uncertainty each. Speeds on both
 //! sides are delays over the scene's own distance: plates that are elsewhere change the delay. The
-//! verdict is one test of all peaks, delays and speeds ([`JointTest`]), and an `E_n` up to 1 of each
-//! trace, which benches as stated hardly ever exceed: the mean over its samples hardly scatters.
+//! verdict is one test of all peaks, delays and speeds ([`JointTest`]), and an `E_n` up to 1 of
+//! each trace, which benches as stated hardly ever exceed: the mean over its samples hardly scatters.
 //! Sources: ISO 13528:2022, 9.6; ASME V&V 20-2009.
 
 use serde::Serialize;

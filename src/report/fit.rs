@@ -27,9 +27,22 @@ fn parameter_rows(report: &FitReport) -> Vec<Vec<String>> {
     table::titled(heading, report.parameters.iter().map(row))
 }
 
+/// What the scene states as uncertain beside the freed numbers: stated and found.
+fn input_rows(report: &FitReport) -> Vec<Vec<String>> {
+    let row = |p: &Parameter| {
+        let scaled = |value: f64| value / p.unit_in_si;
+        let decimals = decimals(scaled(p.expanded));
+        let stated = format!("{:.decimals$} {}", scaled(p.start), p.unit);
+        let found = plus_minus(scaled(p.value), scaled(p.expanded), &p.unit);
+        vec![p.path.clone(), stated.trim_end().to_owned(), found]
+    };
+    table::titled(["", "stated", "found"], report.inputs.iter().map(row))
+}
+
 fn nuisance(found: &Nuisance) -> String {
     let (scale, unit) = match found.name.as_str() {
         "trigger time" => (1e6, "µs"),
+        "time base" => (1e6, "ppm"),
         name if name.starts_with("offset") => (1e3, "mV"),
         _ => (1.0, ""),
     };
@@ -56,13 +69,16 @@ fn channel_rows(report: &FitReport) -> Vec<Vec<String>> {
 }
 
 fn correlation_rows(report: &FitReport) -> Vec<Vec<String>> {
-    let heading = (1..=report.names.len()).map(|number| number.to_string());
+    // Those of the scene's other inputs are in JSON.
+    let shown = report.names.len() - report.inputs.len();
+    let heading = (1..=shown).map(|number| number.to_string());
     let heading = std::iter::once(String::new()).chain(heading).collect();
     let row = |(number, (name, row)): (usize, (&String, &Vec<f64>))| {
         let name = format!("{number} {name}");
-        std::iter::once(name).chain(row.iter().map(|c| format!("{c:+.3}"))).collect()
+        let cells = row.iter().take(shown).map(|c| format!("{c:+.3}"));
+        std::iter::once(name).chain(cells).collect()
     };
-    let rows = report.names.iter().zip(&report.correlation);
+    let rows = report.names.iter().zip(&report.correlation).take(shown);
     std::iter::once(heading).chain((1..).zip(rows).map(row)).collect()
 }
 
@@ -111,6 +127,8 @@ pub fn fit_page(fit: &Fit, stem: &str) -> Vec<Part> {
         Part::Table(parameter_rows(report), &[0]),
         Part::List("also fitted", nuisances),
     ];
+    let title = "other uncertain inputs of the scene, which moved within what it states";
+    parts.extend(Part::section(title, input_rows(report), &[0]));
     parts.extend(Part::section("correlations", correlation_rows(report), &[0]));
     let title = "residuals (autocorrelation from one sample to the next)";
     parts.extend(Part::section(title, channel_rows(report), &[0, 5]));

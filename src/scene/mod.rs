@@ -120,6 +120,15 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Whether `[uncertainty]` states one of the number at `path` of a sensor.
+    pub fn states_uncertainty_of(&self, path: &str) -> bool {
+        let any = match path.split('.').collect::<Vec<_>>()[..] {
+            ["sensors", _, key] => format!("sensors.*.{key}"),
+            _ => String::new(),
+        };
+        self.uncertainty.iter().any(|input| input.path == path || input.path == any)
+    }
+
     /// Loads an included scene, by name, or a file, by path.
     ///
     /// # Errors

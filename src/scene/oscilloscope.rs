@@ -86,6 +86,7 @@ table! {
         low_scale_until = not_negative(Dimension::VOLTAGE_PER_DIVISION),
         offset = not_negative(Dimension::DIVISION),
         input_offset = not_negative(Dimension::VOLTAGE),
+        time = not_negative(Dimension::NONE).or("50 ppm"),
     }
 }
 

@@ -66,7 +66,7 @@ fn as_si<S: Serializer>(unit: &str, serializer: S) -> Result<S::Ok, S::Error> {
 }
 
 /// What one input moves.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 enum Target {
     Number(AdjustableNumber, InputDistribution),
     /// Gain or zero of a channel, counted from 0, in parts of its data sheet.
@@ -74,8 +74,18 @@ enum Target {
     Zero(usize),
 }
 
+impl Target {
+    /// A number of the scene and its value at a score (1) (unit).
+    fn at(&self, score: f64) -> Option<(&AdjustableNumber, f64)> {
+        match self {
+            Self::Number(number, spread) => Some((number, value_at(number, *spread, score))),
+            Self::Gain(_) | Self::Zero(_) => None,
+        }
+    }
+}
+
 /// All inputs, independent of each other.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct RandomInputs {
     list: Vec<RandomInput>,
     targets: Vec<Vec<Target>>,
@@ -96,7 +106,9 @@ impl RandomInputs {
                 let (typed, path) = (input.typed.clone(), input.path.clone());
                 RandomInputsError::Path { typed, path, error }
             };
-            if adjustable.is_switched_off(&input.path) {
+            // A default that is named becomes a number of its own: an exact one stays as it is.
+            let is_exact = input.distribution.standard(1.0) == 0.0;
+            if is_exact || adjustable.is_switched_off(&input.path) {
                 continue;
             }
             for number in adjustable.knobs(&input.path).map_err(wrong)? {
@@ -147,6 +159,51 @@ impl RandomInputs {
         self.targets.push(vec![target]);
     }
 
+    /// Those that a fit of `freed` paths knows something of: neither freed nor a channel's gain or
+    /// zero, nor a sensitivity that only the sensor's file tells, which is a gain.
+    pub fn beside(mut self, freed: &[&str], scene: &Scene) -> Self {
+        let is_kept = |target: &Target| match target {
+            Target::Number(number, _) => {
+                !freed.contains(&number.path.as_str()) && !is_gain(scene, &number.path)
+            }
+            Target::Gain(_) | Target::Zero(_) => false,
+        };
+        let pairs = self.list.into_iter().zip(self.targets);
+        let kept = pairs.filter_map(|(input, mut targets)| {
+            targets.retain(is_kept);
+            (!targets.is_empty()).then_some((input, targets))
+        });
+        (self.list, self.targets) = kept.unzip();
+        self
+    }
+
+    /// The number of each input, the first one of a group, and its value at `scores` (unit).
+    pub fn first_values(&self, scores: &[f64]) -> Vec<(&AdjustableNumber, f64)> {
+        let pairs = self.targets.iter().zip(scores);
+        pairs.filter_map(|(targets, score)| targets.first()?.at(*score)).collect()
+    }
+
+    /// The scores of the scene's own numbers: 0, but for limits that lie to one side (1).
+    pub fn own_scores(&self) -> Vec<f64> {
+        let score = |targets: &Vec<Target>| match targets.first() {
+            Some(Target::Number(number, spread)) => {
+                let u = spread.standard(number.value);
+                (number.value - value_at(number, *spread, 0.0)) / u
+            }
+            _ => 0.0,
+        };
+        self.targets.iter().map(score).collect()
+    }
+
+    /// Each number that the inputs move, with its value at `scores` (unit).
+    pub fn values(&self, scores: &[f64]) -> Vec<(&AdjustableNumber, f64)> {
+        let mut values = Vec::new();
+        for (targets, score) in self.targets.iter().zip(scores) {
+            values.extend(targets.iter().filter_map(|target| target.at(*score)));
+        }
+        values
+    }
+
     /// The inputs.
     pub fn list(&self) -> &[RandomInput] {
         &self.list
@@ -168,12 +225,7 @@ impl RandomInputs {
         scores: &[f64],
     ) -> Result<Scene, SceneError> {
         let mut values = values.to_vec();
-        for (targets, score) in self.targets.iter().zip(scores) {
-            values.extend(targets.iter().filter_map(|target| match target {
-                Target::Number(number, spread) => Some((number, value_at(number, *spread, *score))),
-                Target::Gain(_) | Target::Zero(_) => None,
-            }));
-        }
+        values.extend(self.values(scores));
         let mut scene = adjustable.with(&values)?;
         // Plates are what the inputs say, not drawn once more.
         scene.sensor_tolerance = None;
@@ -243,6 +295,11 @@ fn check_limits(
     }
 }
 
+/// Whether `path` is the sensitivity of a sensor whose file alone tells its uncertainty.
+fn is_gain(scene: &Scene, path: &str) -> bool {
+    path.ends_with(".sensitivity") && !scene.states_uncertainty_of(path)
+}
+
 /// What the files of measured sensors state, unless the scene states it itself.
 fn of_sensors(scene: &Scene) -> Vec<UncertainInput> {
     let mut found = Vec::new();
@@ -254,9 +311,7 @@ fn of_sensors(scene: &Scene) -> Vec<UncertainInput> {
         ];
         for (key, u) in pairs {
             let path = format!("sensors.{}.{key}", placed.name);
-            let any = format!("sensors.*.{key}");
-            let stated = scene.uncertainty.iter().any(|i| i.path == path || i.path == any);
-            if let Some(u) = u.filter(|_| !stated) {
+            if let Some(u) = u.filter(|_| !scene.states_uncertainty_of(&path)) {
                 found.push(UncertainInput {
                     path,
                     distribution: InputDistribution::Normal(SpreadAmount::Share(u)),

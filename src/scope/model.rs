@@ -110,6 +110,8 @@ pub struct Accuracy {
     pub offset: f64,
     /// Of zero at the input, in addition (V).
     pub input_offset: f64,
+    /// Of times, which no simulated error is drawn from (1).
+    pub time: f64,
 }
 
 /// The nearest of `choices` on a logarithmic scale, or `value` if there are none (unit).

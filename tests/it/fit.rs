@@ -120,7 +120,7 @@ fn hidden_numbers_are_recovered_within_their_uncertainty() {
     let paths = ["striker.speed", "materials.ptfe.youngs_modulus", "sensors.p14.sensitivity"];
     let knobs = knobs(&mut scene, &paths);
     let trials = 30;
-    let options = FitOptions { spread: 0.05, ..FitOptions::default() };
+    let options = FitOptions { spread: 0.05, exact_inputs: true, ..FitOptions::default() };
     let found = blind(&scene, &knobs, trials, &options, &mut |_| ()).expect("blind fits");
     assert_eq!(found.failed, 0, "{found:?}");
     // 90 intervals of 95 %, of which 85.5 ± 2.1 hold the truth: three deviations.
@@ -142,7 +142,7 @@ fn whole_records_hardly_ever_lead_astray() {
     let paths = ["striker.speed", "materials.ptfe.youngs_modulus", "sensor.*.sensitivity"];
     let knobs = knobs(&mut scene, &paths);
     let trials = 40;
-    let options = FitOptions { spread: 0.05, ..FitOptions::default() };
+    let options = FitOptions { spread: 0.05, exact_inputs: true, ..FitOptions::default() };
     let found = blind(&scene, &knobs, trials, &options, &mut |_| ()).expect("blind fits");
     assert_eq!((found.failed, found.parameters.len()), (0, 6), "{found:?}");
     let of_mean = 1.0 / f64::from(trials).sqrt();

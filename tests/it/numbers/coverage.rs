@@ -189,7 +189,13 @@ fn fitted_parameters_are_covered() {
             let set = recorded(folder.path(), &shown, condition.interval);
             let side = ComparedShot { name: "bench", set: &set, shot: &set.shots[0], scene: None };
             let gain_u = (!condition.gain_errors).then_some(0.0);
-            let options = FitOptions { starts: 1, accuracy: 1e-6, gain_u, ..FitOptions::default() };
+            let options = FitOptions {
+                starts: 1,
+                accuracy: 1e-6,
+                gain_u,
+                exact_inputs: true,
+                ..FitOptions::default()
+            };
             let found = fit((&lab.scene, &knobs), side, &[], &options, &mut |_| ());
             let found = match found {
                 Ok(found) => found.report,
