@@ -82,8 +82,9 @@ fn now() -> anyhow::Result<String> {
         .and_then(|seconds| seconds.checked_mul(1_000_000_000))
         .with_context(|| {
             format!(
-                "SOURCE_DATE_EPOCH is {set:?}, not a whole number of seconds since 1970; set it to \
-                 one, or unset it for today's date"
+                "SOURCE_DATE_EPOCH is {:?}, not a whole number of seconds since 1970; set it to one, \
+                 or unset it for today's date",
+                set.to_string_lossy()
             )
         })?;
     Ok(utc(nanoseconds))
