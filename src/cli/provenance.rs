@@ -67,7 +67,8 @@ fn quoted(word: &str) -> String {
 }
 
 /// Date and time in UTC, by the clock of this machine or, for documents that come out the same
-/// twice, by `SOURCE_DATE_EPOCH` (seconds since 1970, <https://reproducible-builds.org/specs/source-date-epoch/>).
+/// twice, by `SOURCE_DATE_EPOCH` (seconds since 1970):
+/// <https://reproducible-builds.org/specs/source-date-epoch/>.
 ///
 /// # Errors
 /// A `SOURCE_DATE_EPOCH` that is no such number.
