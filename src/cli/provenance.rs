@@ -67,7 +67,8 @@ fn quoted(word: &str) -> String {
 }
 
 /// Date and time in UTC, by the clock of this machine or, for documents that come out the same
-/// twice, by `SOURCE_DATE_EPOCH` (seconds since 1970; Reproducible Builds, "`SOURCE_DATE_EPOCH`").
+/// twice, by `SOURCE_DATE_EPOCH` (seconds since 1970):
+/// <https://reproducible-builds.org/specs/source-date-epoch/>.
 ///
 /// # Errors
 /// A `SOURCE_DATE_EPOCH` that is no such number.
@@ -82,8 +83,9 @@ fn now() -> anyhow::Result<String> {
         .and_then(|seconds| seconds.checked_mul(1_000_000_000))
         .with_context(|| {
             format!(
-                "SOURCE_DATE_EPOCH is {set:?}, not a whole number of seconds since 1970; set it to \
-                 one, or unset it for today's date"
+                "SOURCE_DATE_EPOCH is {:?}, not a whole number of seconds since 1970; set it to one, \
+                 or unset it for today's date",
+                set.to_string_lossy()
             )
         })?;
     Ok(utc(nanoseconds))

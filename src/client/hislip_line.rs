@@ -143,9 +143,6 @@ impl Transport for HislipLine {
         while self.incoming.is_empty() {
             let (header, payload) = self.synchronous.receive()?;
             let kind = MessageType::from_code(header.code);
-            if kind == Some(MessageType::Interrupted) {
-                continue;
-            }
             let is_data = matches!(kind, Some(MessageType::Data | MessageType::DataEnd));
             if !is_data || ![self.sent, ANY_MESSAGE].contains(&header.parameter) {
                 continue;

@@ -69,7 +69,10 @@ impl Problems {
                 line: 0,
                 column: 0,
                 key: String::new(),
-                found: format!("{more} more problems, which are not listed"),
+                found: match more {
+                    1 => "1 more problem, which is not listed".to_owned(),
+                    _ => format!("{more} more problems, which are not listed"),
+                },
                 expected: String::new(),
             });
         }

@@ -129,6 +129,36 @@ fn vxi_11_hislip_and_usb_bring_every_sample() {
     }
 }
 
+/// The trigger's time is known to the last question before it, however long the scope waited.
+#[test]
+fn the_triggers_time_is_known_to_the_last_question() {
+    let server = Server::at_rest();
+    let address = Address::Socket(server.address.to_string());
+    let mut lab = server.connect();
+    let mut scope = ShotAcquisition::begin(&address, TIMING, &Arc::default()).expect("a scope");
+    let struck = std::thread::spawn(move || {
+        std::thread::sleep(Duration::from_secs(2));
+        lab.send(b"BENC:IMP\n");
+        lab
+    });
+    let taken = scope.shot(&mut |_| ()).expect("a line").expect("a shot");
+    struck.join().expect("a strike");
+    // 2 ms between questions; one second for a busy machine.
+    assert!(taken.late < Duration::from_secs(1), "{:?}", taken.late);
+}
+
+/// The time limits of the program are those of docs/acquire.md.
+#[test]
+fn time_limits_are_the_documented_ones() {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/acquire.md");
+    let page = std::fs::read_to_string(page).expect("the page");
+    let timing = ClientTiming::default();
+    let [reply, retry] = [timing.reply_timeout, timing.retry_interval].map(|time| time.as_secs());
+    for words in [format!("no byte within {reply} s"), format!("reconnects every {retry} s")] {
+        assert!(page.contains(&words), "{words}");
+    }
+}
+
 #[test]
 fn a_prologix_adapter_brings_every_sample() {
     let folder = tempfile::tempdir().expect("a folder");

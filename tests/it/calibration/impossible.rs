@@ -107,6 +107,21 @@ fn a_skew_distribution_is_certified_by_its_draws() {
     assert!(report.contradictions.is_empty(), "{:?}", report.contradictions);
 }
 
+/// `S` goes with one over the speeds: what they share adds to its relative uncertainty in squares.
+#[test]
+fn the_speeds_common_uncertainty_counts_in_full() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let plan = written(folder.path());
+    let relative = |text: &str| {
+        let result = calibrated(folder.path(), text).expect("a calibration").result;
+        result.u / result.sensitivity
+    };
+    let (alone, scaled) =
+        (relative(&plan), relative(&format!("{plan}\n[speeds]\nscale_u = \"3 %\"\n")));
+    let share = (scaled.powi(2) - alone.powi(2)).sqrt();
+    assert!((share / 0.03 - 1.0).abs() < 0.01, "{share}");
+}
+
 /// Plans with one to three numbers multiplied by a power of ten or replaced by a hostile one: each
 /// is refused, or every number of its certificate is finite, its interval is not zero and reaches
 /// as far as the drawn one.
@@ -117,7 +132,7 @@ fn mutated_plans_are_refused_or_honestly_certified() {
     let plan = format!("draws = 30000\n{}", written(at));
     let lines: Vec<&str> = plan.lines().collect();
     let numbers: Vec<usize> = (0..lines.len()).filter(|i| mutable(lines[*i])).collect();
-    let trials = if std::env::var_os("HERTZSCOPE_LONG").is_some() { 5000 } else { 500 };
+    let trials = if std::env::var_os("HERTZSCOPE_LONG").is_some() { 10_000 } else { 500 };
     let (mut certified, mut refused, mut drawn) = (0, 0, 0);
     for trial in 0..trials {
         let mut random = Pcg64::new(trial, 7);

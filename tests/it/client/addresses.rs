@@ -1,6 +1,11 @@
 //! Wrong addresses, and what is no scope.
 
+use std::io::{Read as _, Write as _};
+use std::net::TcpListener;
 use std::process::Command;
+use std::thread;
+
+use crate::vxi11::words;
 
 fn refused(arguments: &[&str]) -> String {
     let mut hertzscope = Command::new(env!("CARGO_BIN_EXE_hertzscope"));
@@ -31,4 +36,26 @@ fn wrong_addresses_say_what_to_type() {
     let told = refused(&["compare", "tcp://127.0.0.1:1", "magnet-0.61g"]);
     assert!(told.contains("cannot be opened: Connection refused"), "{told}");
     assert!(!std::path::Path::new(file).exists());
+}
+
+/// A VXI-11 server without the program refuses each call (RFC 5531: accepted, status 1).
+#[test]
+fn a_refused_procedure_call_is_reported() {
+    let port = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let number = port.local_addr().expect("an address").port();
+    thread::spawn(move || {
+        for mut client in port.incoming().map_while(Result::ok) {
+            let mut head = [0; 4];
+            while client.read_exact(&mut head).is_ok() {
+                let length = u32::from_be_bytes(head) & 0x7FFF_FFFF;
+                let mut call = vec![0; usize::try_from(length).expect("short")];
+                client.read_exact(&mut call).expect("a call");
+                let reply = [words(&[0x8000_0018]), call[..4].to_vec(), words(&[1, 0, 0, 0, 1])];
+                client.write_all(&reply.concat()).expect("a client");
+            }
+        }
+    });
+    let address = format!("TCPIP::127.0.0.1,{number}::inst0::INSTR");
+    let said = refused(&["info", &address]);
+    assert!(said.contains("a refused procedure call"), "{said}");
 }

@@ -25,6 +25,8 @@ struct Lie {
     from: &'static str,
     to: &'static str,
     times: usize,
+    /// How many records stand in the reply, one after the other.
+    copies: usize,
 }
 
 impl Lie {
@@ -40,7 +42,9 @@ impl Lie {
         let (from, to) = (self.from.as_bytes(), self.to.as_bytes());
         let at = reply.windows(from.len()).position(|part| part == from);
         let at = at.unwrap_or_else(|| panic!("found no {} in the reply to {message}", self.from));
-        [&reply[..at], to, &reply[at + from.len()..]].concat()
+        let changed = [&reply[..at], to, &reply[at + from.len()..]].concat();
+        let line = changed.strip_suffix(b"\n").expect("a line");
+        [vec![line; self.copies].join(&b';'), b"\n".to_vec()].concat()
     }
 }
 
@@ -108,7 +112,7 @@ fn told(lie: Lie) -> Result<(AcquiredShot, Vec<String>, Vec<String>), String> {
 }
 
 fn lie(reply: Reply, from: &'static str, to: &'static str) -> Lie {
-    Lie { reply, from, to, times: usize::MAX }
+    Lie { reply, from, to, times: usize::MAX, copies: 1 }
 }
 
 /// The served scope says 1 V/div of CH2 (`YMULT 4.0E-2`), 100 µs/div (`XINCR 1.0E-6`).
@@ -185,9 +189,20 @@ fn an_invalid_record_is_not_recorded() {
         ("NR_PT 2500", "NR_PT 25E2x", "NR_PT"),
         ("\"Ch2,", "\"Ch9,", "found the record of Ch9, expected that of CH2"),
         ("\"Ch2,", "\"Ch1,", "found the record of Ch1, expected that of CH2"),
+        ("\"Ch2,", "\"Xy2,", "found the record of Xy2, expected that of CH2"),
         ("#42500", "#41500", "a block that is longer than its header says"),
     ] {
         let refused = told(lie(Reply::Record, from, to)).expect_err(to);
         assert!(refused.contains(words), "{to}: {refused}");
+    }
+}
+
+/// More records than were asked for: which of them is the trace's cannot be known.
+#[test]
+fn several_records_in_a_reply_are_not_recorded() {
+    for (copies, words) in [(2, "no record, or several"), (12, "more records than a scope has")] {
+        let several = Lie { copies, ..lie(Reply::Record, "Ch2", "Ch2") };
+        let refused = told(several).expect_err(words);
+        assert!(refused.contains(words), "{copies}: {refused}");
     }
 }

@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use hertzscope::scene::adjust::Adjustable;
+use hertzscope::scene::random_inputs::RandomInputs;
 use hertzscope::scene::{Scene, SceneError};
 use rustix::time::{ClockId, clock_gettime};
 
@@ -30,12 +32,16 @@ fn lines(text: impl Fn(usize) -> String, bytes: usize) -> String {
 
 #[test]
 fn a_hundred_problems_are_listed_and_the_rest_is_counted() {
-    let keys: String = (0..250).fold(String::new(), |mut text, number| {
-        let _ = writeln!(text, "unknown_{number} = 1");
-        text
-    });
-    let text = format!("{keys}{BENCH}");
-    let told = problems(&text);
+    let told = |unknown: usize| {
+        let keys: String = (0..unknown).fold(String::new(), |mut text, number| {
+            let _ = writeln!(text, "unknown_{number} = 1");
+            text
+        });
+        problems(&format!("{keys}{BENCH}"))
+    };
+    assert_eq!(told(LISTED).len(), LISTED);
+    assert_eq!(told(LISTED + 1)[LISTED].found, "1 more problem, which is not listed");
+    let told = told(250);
     assert_eq!(told.len(), LISTED + 1);
     assert!(told[..LISTED].iter().all(|problem| problem.found.contains("unknown key")));
     assert_eq!(told[LISTED].found, "150 more problems, which are not listed");
@@ -139,6 +145,12 @@ fn uncertainties_in_a_wrong_unit_or_above_the_value_are_refused() {
         ("materials.ptfe.youngs_modulus = \"1 N\"", "is a force (N)", "a pressure (Pa)"),
         ("striker.speed = { half_width = \"1 s\" }", "is a time (s)", "a speed (m/s)"),
         ("striker.speed = { between = [\"1 s\", \"2 s\"] }", "is a time (s)", "a speed (m/s)"),
+        ("striker.speed = { between = [\"1 m/s\", \"2 m\"] }", "[1 m/s, 2 m]", "of one unit"),
+        (
+            "striker.speed = { between = [\"2 m/s\", \"1 m/s\"] }",
+            "[2 m/s, 1 m/s]",
+            "the lower first",
+        ),
     ] {
         let told = problems(&with(line));
         assert_eq!(told.len(), 1, "{line}: {told:?}");
@@ -183,4 +195,24 @@ fn a_scenes_path_need_not_be_unicode() {
         let mut program = assert_cmd::Command::cargo_bin("hertzscope").expect("the program");
         program.arg(command).arg(&file).assert().success();
     }
+}
+
+/// The data sheet states gain and zero by the range at the input: 20 mV/div through a probe of ten
+/// times is 2 mV/div there, where the gain is known to 4 %, not 3 %.
+#[test]
+fn a_probe_does_not_change_the_range_of_the_data_sheet() {
+    let errors = |probe: u32, scale: &str| {
+        let text = format!(
+            "base = \"magnet-0.61g\"\n[effects]\nscope_errors = {{}}\n\
+             [scope.ch1]\nprobe = {probe}\nscale = \"{scale}\"\nposition = \"0 div\"\n[scope.trigger]\nlevel = \"0 V\"\n"
+        );
+        let adjustable = Adjustable::from_text("probe", "probe.toml", &text);
+        let mut adjustable = adjustable.unwrap_or_else(|error| panic!("{error}"));
+        let inputs = RandomInputs::of(&mut adjustable).expect("inputs");
+        let of = |name: &str| inputs.list().iter().find(|input| input.name == name).map(|i| i.u);
+        [of("gain of CH1"), of("zero of CH1")].map(|u| u.expect("an input"))
+    };
+    let direct = errors(1, "2 mV/div");
+    assert!((direct[0] - 0.04 / 3f64.sqrt()).abs() < 1e-12, "{direct:?}");
+    assert_eq!(errors(10, "20 mV/div"), direct);
 }

@@ -215,6 +215,26 @@ fn inputs_that_are_no_sensors() {
     assert_eq!(open.scope.channels[1].as_ref().and_then(|c| c.input.clone()), None);
 }
 
+/// The external input takes 1.6 V either way, through its divider 8 V.
+#[test]
+fn levels_beyond_the_external_input_are_refused() {
+    let text = |source: &str, level: &str| {
+        bench_with("input = \"p14\"\n", "")
+            .replace("source = \"CH1\"", &format!("source = \"{source}\""))
+            .replace("level = \"200 mV\"", &format!("level = \"{level}\""))
+            + "\n[scope.external]\ninput = \"p14\"\n"
+    };
+    for (source, within, beyond) in [("EXT", "1.60 V", "1.61 V"), ("EXT5", "8.00 V", "8.01 V")] {
+        for sign in ["", "-"] {
+            let level = format!("{sign}{within}");
+            load(&text(source, &level)).unwrap_or_else(|error| panic!("{level}: {error}"));
+            let told = problems(&text(source, &format!("{sign}{beyond}")));
+            let expected = format!("within {within} at {source}");
+            assert!(told.iter().any(|problem| problem.expected.contains(&expected)), "{told:#?}");
+        }
+    }
+}
+
 #[test]
 fn a_screen_without_channels_and_a_scene_without_scope() {
     let start = super::BENCH.find("[scope.ch1]").expect("a channel");

@@ -34,6 +34,13 @@ fn a_taper_goes_from_one_diameter_to_another() {
     near(&particles(keys), &[[10.0, 8.0, 10.0], [7.5, 3.375, 7.5], [5.0, 1.0, 5.0]]);
 }
 
+/// The kind's own diameter does not matter: masses go with the cube of what it is scaled by.
+#[test]
+fn a_taper_may_begin_at_another_diameter_than_its_kinds() {
+    let keys = "particles = [\"ball\"]\nrepeat = 2\ndiameter = { from = \"5 mm\", to = \"20 mm\" }";
+    near(&particles(keys), &[[5.0, 1.0, 5.0], [20.0, 64.0, 20.0]]);
+}
+
 /// Each row half as large as the one before; a cylinder's faces stay flat.
 #[test]
 fn a_factor_scales_every_kind_of_a_row() {

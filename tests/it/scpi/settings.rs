@@ -55,6 +55,27 @@ fn a_channel_tells_everything() {
     );
 }
 
+/// Each setting of a channel is one of its own: none changes another.
+#[test]
+fn settings_of_a_channel_do_not_change_each_other() {
+    let mut bench = Bench::with_headers();
+    for (command, reply) in [
+        // Any number but zero is on.
+        ("INV -1", "PROBE 10;SCALE 1.0E0;POSITION 0.0E0;COUPLING DC;BANDWIDTH OFF;INVERT ON"),
+        (
+            "INV OFF;BAN ON",
+            "PROBE 10;SCALE 1.0E0;POSITION 0.0E0;COUPLING DC;BANDWIDTH ON;INVERT OFF",
+        ),
+        ("COUP GND", "PROBE 10;SCALE 1.0E0;POSITION 0.0E0;COUPLING GND;BANDWIDTH ON;INVERT OFF"),
+        ("POS 1", "PROBE 10;SCALE 1.0E0;POSITION 1.0E0;COUPLING GND;BANDWIDTH ON;INVERT OFF"),
+        ("SCA 2", "PROBE 10;SCALE 2.0E0;POSITION 1.0E0;COUPLING GND;BANDWIDTH ON;INVERT OFF"),
+    ] {
+        bench.tell(&format!("CH3:{command}"));
+        assert_eq!(bench.ask("CH3?"), format!(":CH3:{reply}"), "{command}");
+    }
+    assert!(bench.ask("CH2?").ends_with("COUPLING DC;BANDWIDTH OFF;INVERT OFF"));
+}
+
 /// Without headers as the fact sheet gives it.
 #[test]
 fn the_displayed_waveforms() {

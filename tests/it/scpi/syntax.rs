@@ -172,3 +172,49 @@ fn device_clear_forgets_what_was_begun() {
     bench.session.clear();
     assert_eq!(bench.ask("CH1:COUP?"), "DC");
 }
+
+/// What waits for an acquisition is forgotten, and so are the messages behind it.
+#[test]
+fn device_clear_forgets_what_waits() {
+    let mut bench = Bench::new();
+    for message in ["ACQ:STOPA SEQ;STATE ON;*WAI;:CH1:COUP GND\n", "CH1:INV ON\n"] {
+        let reply = bench.session.receive(&mut bench.instrument, message.as_bytes());
+        assert_eq!(reply, Reply::WhenIdle(Vec::new()), "{message}");
+    }
+    bench.session.clear();
+    bench.tell("ACQ:STATE OFF");
+    assert_eq!(bench.session.resume(&mut bench.instrument), Reply::None);
+    assert_eq!(bench.ask("CH1:COUP?;INV?"), "DC;OFF");
+}
+
+/// `#0` begins a block that ends with its message; the family has none: the line ends it.
+#[test]
+fn a_block_without_a_length_ends_with_its_line() {
+    let mut bench = Bench::new();
+    bench.tell("CURVE #05");
+    assert_ne!(bench.ask("*ESR?"), "0");
+}
+
+/// A message that waits after its only query owes the reply, which is known and not yet sent.
+#[test]
+fn a_reply_that_is_known_is_owed() {
+    let mut bench = Bench::new();
+    let message = b"ACQ:STOPA SEQ;STATE ON;:CH1:COUP?;*WAI;:CH1:COUP GND\n";
+    let reply = bench.session.receive(&mut bench.instrument, message);
+    assert_eq!(reply, Reply::WhenIdle(Vec::new()));
+    assert!(bench.session.owes_reply());
+    bench.session.interrupt(&mut bench.instrument);
+    assert!(!bench.session.is_waiting());
+    assert_eq!(bench.ask("CH1:COUP?"), "DC");
+}
+
+/// A text has 1000 characters at most; a longer one is invalid (event 151), whatever it is for.
+#[test]
+fn a_text_is_limited() {
+    let mut bench = Bench::new();
+    for (length, is_invalid) in [(1000, false), (1001, true)] {
+        bench.tell(&format!("BENC:FAU \"{}\"", "x".repeat(length)));
+        bench.ask("*ESR?");
+        assert_eq!(bench.ask("EVENT?") == "151", is_invalid, "{length}");
+    }
+}

@@ -73,6 +73,18 @@ impl Client {
     }
 }
 
+/// `device_remote` (16) locks the keys of the front panel, `device_local` (17) unlocks them.
+#[test]
+fn remote_and_local_lock_the_keys() {
+    let server = Server::at_rest();
+    let mut client = Client::to(server.vxi11);
+    for (procedure, keys) in [(16, "ALL\n"), (17, "NONE\n")] {
+        let arguments = words(&[client.link, 0, 0, 0]);
+        assert_eq!(client.call(procedure, &arguments), words(&[0]));
+        assert_eq!(String::from_utf8_lossy(&client.ask("LOCK?")), keys);
+    }
+}
+
 /// A wait that an impact ends, and the curve as over the raw socket.
 #[test]
 fn a_single_shot_over_vxi11() {

@@ -158,6 +158,16 @@ fn logarithmic_whole_numbers_are_whole() {
     }
 }
 
+/// The logarithm of 2 to 4 is divided at 3: 2 has ln(3/2)/ln(2) = 58.5 % of the draws, 3 the rest;
+/// 2000 draws are within 4 standard errors of 1170.
+#[test]
+fn both_ends_of_a_logarithmic_range_are_drawn() {
+    let values = drawn("frames", "{ from = 2, to = 3, spacing = \"logarithmic\" }");
+    let [two, three] = [2.0, 3.0].map(|end| values.iter().filter(|value| **value == end).count());
+    assert_eq!(two + three, 2000);
+    assert!((1082..1258).contains(&two), "{two}");
+}
+
 /// As in `[uncertainty]`, `%` is a share of the value, with or without a unit.
 #[test]
 fn a_deviation_in_percent_is_a_share_of_the_mean() {
