@@ -81,7 +81,7 @@ pub fn normalised_errors(
     };
     let mut errors = Vec::new();
     for score in &comparison.channels {
-        let pair = score.peak_measured_v.zip(score.peak_simulated_v);
+        let pair = score.peak_measured.zip(score.peak_simulated).filter(|_| score.unit == "V");
         if let (Some((measured, simulated)), Some(output)) =
             (pair, output(format!("{} first peak, droop undone", score.against)))
         {
@@ -116,7 +116,8 @@ pub fn normalised_errors(
     }
     let traces = comparison.channels.iter().zip(&compared.pairs).zip(&compared.quiet);
     errors.extend(traces.filter_map(|((score, pair), quiet)| {
-        let band = predicted.bands.iter().find(|band| band.channel == score.against)?;
+        let is_volts = score.unit == "V";
+        let band = predicted.bands.iter().find(|band| is_volts && band.channel == score.against)?;
         trace_error((score, gain_u(score)), pair, (*quiet)?, band)
     }));
     errors

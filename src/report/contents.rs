@@ -2,7 +2,7 @@
 
 use super::table;
 use super::text::hanging_indent;
-use crate::quantity::{engineering, signal_value};
+use crate::quantity::engineering;
 use crate::recording::mcap::Traffic;
 use crate::recording::{Capture, Origin, Shot, TraceSet};
 use crate::scope::Source;
@@ -138,7 +138,7 @@ fn capture_row(capture: &Capture) -> Vec<String> {
     let preamble = &waveform.preamble;
     let extreme = |code: Option<&i16>| {
         code.map_or("-".to_owned(), |code| {
-            signal_value(waveform.volts_of(*code), &preamble.y_unit, 4)
+            engineering(waveform.volts_of(*code), &preamble.y_unit, 4)
         })
     };
     vec![

@@ -84,10 +84,10 @@ pub struct Comparison {
 pub struct Compared {
     /// The scores.
     pub comparison: Comparison,
-    /// Both traces of each channel on the measured one's axis (V).
+    /// Both traces of each channel on the measured one's axis, in the unit of its score.
     pub pairs: Vec<Pair>,
     /// Zero of each channel's traces and standard deviation of one sample, measured and simulated;
-    /// none without a pulse (V).
+    /// none without a pulse, in the unit of its score.
     pub quiet: Vec<Option<[Uncertain; 2]>>,
 }
 
@@ -107,6 +107,20 @@ pub enum CompareError {
         channel: String,
         /// The shift (s).
         shift_s: f64,
+    },
+    /// Units that no sensor's sensitivity turns into each other.
+    #[error(
+        "{channel} is measured in {unit}, {against} of the simulation in {other}: found no sensor's sensitivity that turns one into the other, expected one unit: leave it out with --channel, or compare with another channel (--map)"
+    )]
+    Units {
+        /// The measured channel.
+        channel: String,
+        /// Its unit.
+        unit: String,
+        /// The simulated channel.
+        against: String,
+        /// Its unit.
+        other: String,
     },
     /// A record without a level or without a change.
     #[error(
@@ -131,8 +145,8 @@ pub fn compare(
     let mut notes = Vec::new();
     let ends = (ChannelNames::of(measured, &mut notes)?, ChannelNames::of(simulated, &mut notes)?);
     let wires = mapping::wires(&ends.0, &ends.1, assignments, &mut notes)?;
-    let channels: Vec<ChannelPair> =
-        wires.iter().map(|wire| ChannelPair::of(measured, simulated, wire, &mut notes)).collect();
+    let channels = wires.iter().map(|wire| ChannelPair::of(measured, simulated, wire, &mut notes));
+    let channels = channels.collect::<Result<Vec<_>, _>>()?;
     let borrowed: Vec<&str> =
         channels.iter().filter(|c| c.borrowed).map(|c| c.name.as_str()).collect();
     if !borrowed.is_empty() {
