@@ -67,15 +67,13 @@ impl ChannelPair {
         let borrowed = own.and_then(|sensor| sensor.sensitivity).is_none() && sensitivity.is_some();
         let (unit, sides) = in_one_unit((measured, here), (simulated, there))?;
         let is_volts = unit == "V";
-        let pulse =
-            |capture: &Capture, side: &ConvertedTrace, tau: Option<f64>| match side.was_converted {
-                true => pulse_in(
-                    &side.trace,
-                    &capture.waveform,
-                    Conditions { level: side.level, ..Conditions::default() },
-                ),
-                false => first_pulse(capture, tau.filter(|_| is_volts)),
-            };
+        let pulse = |capture: &Capture, side: &ConvertedTrace, tau: Option<f64>| {
+            if !side.was_converted {
+                return first_pulse(capture, tau.filter(|_| is_volts));
+            }
+            let conditions = Conditions { level: side.level, ..Conditions::default() };
+            pulse_in(&side.trace, &capture.waveform, conditions)
+        };
         let found = pulse(here, &sides[0], tau)
             .and_then(|found| Ok((found, pulse(there, &sides[1], tau_there)?)));
         for (side, name) in sides.iter().zip([("measured", &name), ("simulated", &against)]) {
