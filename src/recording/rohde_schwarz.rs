@@ -9,7 +9,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::RecordingError;
+use super::error::RecordingError;
 
 /// How the names of files with values end, in small letters.
 const VALUES: &str = ".wfm.csv";

@@ -330,8 +330,8 @@ fn split(line: &str, separator: char) -> Vec<(&str, usize)> {
     fields.take(MAX_CELLS).collect()
 }
 
-/// The cells of `line` that blanks separate, with units in brackets joined to the names before them:
-/// `t [s] a [g]` are two.
+/// The cells of `line` that blanks separate, with units in brackets joined to the names before
+/// them: `t [s] a [g]` are two.
 fn with_units<'a>(line: &'a str, cells: Vec<(&'a str, usize)>) -> Vec<(&'a str, usize)> {
     let is_unit = |cell: &str| cell.starts_with(['(', '[']) && cell.ends_with([')', ']']);
     if !cells.iter().skip(1).any(|(cell, _)| is_unit(cell)) {

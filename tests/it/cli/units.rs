@@ -148,7 +148,8 @@ fn newtons_are_never_compared_with_volts() {
     }
 }
 
-/// The simulated force is that of `force`, droop undone: 4.3 N at particle 2 by the run's own truth.
+/// The simulated force is that of `force`, droop undone: 4.3 N at particle 2 by the run's own
+/// truth.
 #[test]
 fn a_scenes_newtons_are_its_sensors_forces() {
     let folder = temporary();
