@@ -8,7 +8,7 @@ use hertzscope::recording::tek_csv::read_all;
 const SAMPLES: usize = 1500;
 
 /// Volts over the number of a sample.
-type Signal = Box<dyn Fn(f64) -> f64>;
+type Signal<'a> = Box<dyn Fn(f64) -> f64 + 'a>;
 
 /// A normal deviate, by the sum of twelve even ones (Irwin and Hall).
 fn normal(draws: &mut Draws) -> f64 {
