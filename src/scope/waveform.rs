@@ -212,7 +212,7 @@ impl Waveform {
         (self.preamble.y_mult - level).abs() <= ROUND_OFF * level.abs()
     }
 
-    /// Heights of all points above the screen's centre (levels of 25 a division).
+    /// Heights of all points above the screen's centre in levels, 25 a division (1).
     pub fn heights(&self) -> impl Iterator<Item = f64> + '_ {
         let (has_levels, vertical) = (self.has_levels(), &self.vertical);
         let is_over_time = self.preamble.x_unit == "s";
@@ -224,7 +224,7 @@ impl Waveform {
         })
     }
 
-    /// Height of zero above the screen's centre (levels of 25 a division).
+    /// Height of zero above the screen's centre in levels, 25 a division (1).
     pub fn ground(&self) -> f64 {
         if self.has_levels() || self.preamble.x_unit != "s" {
             return self.preamble.y_off;
