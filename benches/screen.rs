@@ -57,6 +57,7 @@ fn channel_of(number: u8, shot: u32, points: usize) -> Capture {
     let waveform = Waveform {
         source: Source::Channel(number),
         codes: (0..points).map(level).collect(),
+        as_read: Vec::new(),
         preamble: Preamble {
             x_zero: -0.25e-3,
             x_incr: interval,

@@ -191,7 +191,7 @@ fn capture_of<'py>(py: Python<'py>, capture: &Capture) -> PyResult<Bound<'py, Py
     dict.set_item("x_unit", &waveform.preamble.x_unit)?;
     dict.set_item("start", waveform.time(0))?;
     dict.set_item("interval", waveform.preamble.x_incr)?;
-    let values: Vec<f64> = waveform.codes.iter().map(|code| waveform.volts_of(*code)).collect();
+    let values: Vec<f64> = waveform.values().collect();
     dict.set_item("values", values.into_pyarray(py))?;
     dict.set_item("codes", waveform.codes.clone().into_pyarray(py))?;
     dict.set_item("level", waveform.preamble.y_mult)?;
@@ -308,6 +308,7 @@ fn waveform(
     Waveform {
         source,
         codes: values.iter().map(|value| (value / level).round() as i16).collect(),
+        as_read: values.to_vec(),
         preamble: Preamble {
             x_zero: start,
             x_incr: interval,

@@ -92,7 +92,7 @@ fn shot(shot: &Shot) -> Value {
 fn capture(capture: &Capture) -> Value {
     let waveform = &capture.waveform;
     let preamble = &waveform.preamble;
-    let volts = |code: Option<&i16>| code.map(|code| waveform.volts_of(*code));
+    let extremes = waveform.extremes();
     json!({
         "source": waveform.source.to_string(),
         "points": waveform.codes.len(),
@@ -109,8 +109,8 @@ fn capture(capture: &Capture) -> Value {
         "probe": waveform.vertical.probe,
         "horizontal_scale": waveform.horizontal_scale,
         "trigger_point": waveform.trigger_point,
-        "lowest": volts(waveform.codes.iter().min()),
-        "highest": volts(waveform.codes.iter().max()),
+        "lowest": extremes.map(|[low, _]| low),
+        "highest": extremes.map(|[_, high]| high),
         "clipped": waveform.clipped(),
         "model": capture.instrument.as_ref().map(|i| &i.model),
         "firmware": capture.instrument.as_ref().map(|i| &i.firmware),

@@ -6,6 +6,7 @@ use super::input::no_capture;
 use crate::measurement::force::forces;
 use crate::quantity::{engineering, printable};
 use crate::recording::{Shot, TraceSet, TrueSignal};
+use crate::scope::Waveform;
 use crate::table::{Cell, Column, Table};
 use crate::trace::Trace;
 
@@ -32,7 +33,7 @@ struct TraceColumn {
 
 impl TraceColumn {
     fn new(name: String, trace: &Trace) -> Self {
-        let values = trace.values.iter().copied().map(Some).collect();
+        let values = trace.values.iter().map(|value| Some(rounded(*value))).collect();
         Self { name, start: trace.start, interval: trace.interval, values }
     }
 
@@ -73,7 +74,7 @@ pub fn plain_table(set: &TraceSet, content: TableContent) -> anyhow::Result<Tabl
             let mut row: Vec<Cell> = several.then(|| shot.number.into()).into_iter().collect();
             row.push(rounded(axis.time(index)).into());
             let values = columns.iter().map(|column| column.values.get(index).copied().flatten());
-            row.extend(values.map(|value| Cell::from(value.map(rounded))));
+            row.extend(values.map(Cell::from));
             row
         }));
     }
@@ -99,7 +100,7 @@ fn columns(set: &TraceSet, shot: &Shot, content: TableContent) -> anyhow::Result
                 name: format!("{}_{}", waveform.source, waveform.preamble.y_unit),
                 start: waveform.time(0),
                 interval: waveform.preamble.x_incr,
-                values: waveform.codes.iter().map(|code| Some(waveform.volts_of(*code))).collect(),
+                values: values(waveform),
             }
         }));
     }
@@ -125,6 +126,13 @@ fn columns(set: &TraceSet, shot: &Shot, content: TableContent) -> anyhow::Result
     Ok(columns)
 }
 
+/// The values of a record: as a file gave them, or of its levels.
+fn values(waveform: &Waveform) -> Vec<Option<f64>> {
+    let is_as_read = !waveform.as_read.is_empty();
+    let printed = |value: f64| if is_as_read { value + 0.0 } else { rounded(value) };
+    waveform.values().map(|value| Some(printed(value))).collect()
+}
+
 /// True forces at the sensors, at the times of `axis`.
 fn truth(shot: &Shot, axis: &TraceColumn) -> anyhow::Result<Vec<TraceColumn>> {
     let Some(trigger) = shot.trigger_time else {
@@ -140,7 +148,7 @@ fn truth(shot: &Shot, axis: &TraceColumn) -> anyhow::Result<Vec<TraceColumn>> {
             name: format!("truth_{name}_{}", trace.unit),
             start: axis.start,
             interval: axis.interval,
-            values: (0..axis.values.len()).map(at).collect(),
+            values: (0..axis.values.len()).map(|index| at(index).map(rounded)).collect(),
         }
     });
     Ok(columns.collect())

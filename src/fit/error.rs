@@ -21,6 +21,16 @@ pub enum FitError {
         /// The channel.
         channel: String,
     },
+    /// No channel in volts, the unit that a scene's scope records.
+    #[error(
+        "{channel}: the record is in {unit}: a scene's scope records volts, and its parameters are fitted to them"
+    )]
+    NotVolts {
+        /// The channel.
+        channel: String,
+        /// The unit of its values.
+        unit: String,
+    },
     /// No samples in the fitted time range.
     #[error("{channel}: no sample lies in the fitted time range: check --from and --to")]
     NoSamples {

@@ -14,7 +14,6 @@ use crate::measurement::metadata;
 use crate::recording::Capture;
 use crate::scene::{Scene, gain_u};
 use crate::scope::VerticalSetup;
-use crate::scope::waveform::{HIGHEST_CODE, LOWEST_CODE};
 
 /// Paths that the note on inputs taken as exact names.
 const MAX_SHOWN_INPUTS: usize = 4;
@@ -94,6 +93,9 @@ impl Records {
             let capture = &measured.shot.captures[wire.measured];
             let name = capture.waveform.source.to_string();
             let Some(trace) = capture.trace() else { continue };
+            if trace.unit != "V" {
+                return Err(FitError::NotVolts { channel: name, unit: trace.unit });
+            }
             let range = options.gate.range(&trace);
             let axis = TimeAxis {
                 start: trace.time(range.start),
@@ -202,7 +204,7 @@ fn record(
     let waveform = &capture.waveform;
     let name = waveform.source.to_string();
     let level = waveform.preamble.y_mult.abs();
-    let all: Vec<f64> = waveform.codes.iter().map(|code| waveform.volts_of(*code)).collect();
+    let all: Vec<f64> = waveform.values().collect();
     let conditions = Conditions { level, ..Conditions::default() };
     let found = capture.trace().map(|trace| Pulse::find(&trace, conditions));
     let (baseline, sigma, rounding, quiet_samples) = if let Some(Ok(pulse)) = found {
@@ -224,9 +226,11 @@ fn record(
             vertical.bandwidth_limited.or(channel.vertical.bandwidth_limited);
         vertical.inverted = vertical.inverted.or(channel.vertical.inverted);
     }
-    let clipped = waveform.clipped() > 0;
-    let ends = |code: &i16| clipped && matches!(*code, LOWEST_CODE | HIGHEST_CODE);
-    let counts: Vec<bool> = waveform.codes[range.clone()].iter().map(|code| !ends(code)).collect();
+    let mut counts = vec![true; waveform.codes.len()];
+    for place in waveform.clipped_points() {
+        counts[place] = false;
+    }
+    let counts = counts[range.clone()].to_vec();
     let lost = counts.iter().filter(|counts| !**counts).count();
     if lost > 0 {
         notes.push(format!("{name}: {lost} samples at the converter's ends have no weight"));

@@ -76,6 +76,7 @@ fn spectrum(law: &FftLaw, record: &Waveform, window: FftWindow) -> Option<Wavefo
     Some(Waveform {
         source: Source::Math,
         codes: bins.iter().take(points / 2).enumerate().map(level).collect(),
+        as_read: Vec::new(),
         preamble: Preamble {
             x_zero: 0.0,
             x_incr: rate / points as f64,

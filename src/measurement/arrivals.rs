@@ -13,6 +13,8 @@ use crate::analysis::pulse::{Conditions, Pulse};
 use crate::analysis::speed::{speed, speed_over};
 use crate::recording::{Capture, Shot, TraceSet};
 use crate::scene::{PlatePlace, Scene, Site};
+use crate::scope::Waveform;
+use crate::trace::Trace;
 
 /// Why there are no speeds, and what to do.
 const NO_DISTANCES: &str = "no speeds: no distances are known; give --scene NAME, or --distance CH1-CH2=\"47.2 mm +- 0.1 mm\"";
@@ -60,9 +62,15 @@ pub struct ChannelArrivals {
     pub droop_undone: bool,
     /// Samples at the converter's ends; a clipped peak is no peak.
     pub clipped: usize,
-    /// Standard deviation of one sample (V).
+    /// Unit of the channel's values, and of `noise` and `height`.
+    pub unit: String,
+    /// Standard deviation of one sample (unit).
+    pub noise: Option<f64>,
+    /// Height of the first peak, in the channel's unit.
+    pub height: Option<Uncertain>,
+    /// Standard deviation of one sample of a channel in volts (V).
     pub noise_v: Option<f64>,
-    /// Height of the first peak, volts.
+    /// Height of the first peak of a channel in volts.
     pub height_v: Option<Uncertain>,
     /// The same as a force, newtons, if the sensitivity is known.
     pub height_n: Option<Uncertain>,
@@ -230,6 +238,16 @@ impl<'a> ReadChannel<'a> {
         let found = found.map(|note| format!("{}: {note}", self.arrivals.channel));
         let found = found.into_iter().chain(self.missing_arrivals());
         let Some(sensor) = self.sensor else { return found.collect() };
+        if self.is_over_time && self.arrivals.unit != "V" {
+            let (channel, unit) = (&self.arrivals.channel, &self.arrivals.unit);
+            let unused = sensor.sensitivity.map(|_| {
+                format!(
+                    "{channel}: the record is in {unit}: the sensitivity of {}, in volts, is not used",
+                    sensor.name
+                )
+            });
+            return unused.into_iter().chain(found).collect();
+        }
         let host = scene.and_then(|scene| sensor.host_note(scene));
         sensor.gain_note().into_iter().chain(host).chain(found).collect()
     }
@@ -387,11 +405,19 @@ pub(super) fn neighbours<T>(
 /// The first pulse of `capture`, with the droop of `time_constant` (s) undone; or why it has
 /// neither height nor arrival.
 pub(super) fn first_pulse(capture: &Capture, time_constant: Option<f64>) -> Result<Pulse, String> {
-    let waveform = &capture.waveform;
     let trace = uncoupled(capture).ok_or("a record over frequency has no arrival")?;
-    let level = waveform.preamble.y_mult.abs();
-    let conditions = Conditions { level, time_constant, baseline: None };
-    let pulse = Pulse::find(&trace, conditions).map_err(|error| error.to_string())?;
+    let level = capture.waveform.preamble.y_mult.abs();
+    pulse_in(&trace, &capture.waveform, Conditions { level, time_constant, baseline: None })
+}
+
+/// The first pulse in `trace`, the samples of `waveform` in any unit; or why it has neither height
+/// nor arrival.
+pub(super) fn pulse_in(
+    trace: &Trace,
+    waveform: &Waveform,
+    conditions: Conditions,
+) -> Result<Pulse, String> {
+    let pulse = Pulse::find(trace, conditions).map_err(|error| error.to_string())?;
     // Behind the middle of the falling edge clipping is another pulse's.
     let end = pulse.arrival(Estimator::Peak).zip(pulse.width());
     let end = end.map_or(f64::INFINITY, |(peak, width)| peak.value + 0.5 * width.value);
@@ -433,6 +459,9 @@ fn channel(capture: &Capture, sensor: Option<&RecordedSensor>) -> (ChannelArriva
         sensor: sensor.map(|sensor| sensor.name.clone()),
         droop_undone: time_constant.is_some() || unit != "V",
         clipped: capture.waveform.clipped(),
+        unit: unit.to_owned(),
+        noise: pulse.as_ref().map(|pulse| pulse.noise),
+        height,
         noise_v: pulse.as_ref().map(|pulse| pulse.noise).filter(|_| unit == "V"),
         height_v: height.filter(|_| unit == "V"),
         height_n: force.or(height.filter(|_| unit == "N")),

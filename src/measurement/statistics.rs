@@ -32,8 +32,8 @@ pub struct ShotStatistic {
     pub to: Option<String>,
     /// Estimator of an arrival or a speed.
     pub estimator: Option<&'static str>,
-    /// Unit of all numbers: `N`, `V`, `s` or `m/s`.
-    pub unit: &'static str,
+    /// Unit of all numbers: `N` or the channel's own, `s` or `m/s`.
+    pub unit: String,
     /// How many shots tell it.
     pub shots: usize,
     /// Mean (unit).
@@ -95,10 +95,8 @@ pub fn statistics(surveys: &[Survey]) -> Vec<ShotStatistic> {
 
 fn add_channel(all: &mut Vec<Series>, shot: f64, channel: &ChannelArrivals) {
     let name = channel.channel.as_str();
-    let height = match (channel.height_n, channel.height_v) {
-        (Some(force), _) => Some(("N", force)),
-        (None, volts) => volts.map(|volts| ("V", volts)),
-    };
+    let in_newtons = channel.height_n.map(|force| ("N", force));
+    let height = in_newtons.or(channel.height.map(|height| (channel.unit.as_str(), height)));
     if let Some((unit, height)) = height.filter(|_| channel.clipped == 0) {
         add(all, ("height", name, None, None), unit, (shot, height.value));
     }
@@ -111,12 +109,13 @@ fn add_channel(all: &mut Vec<Series>, shot: f64, channel: &ChannelArrivals) {
 fn add(
     all: &mut Vec<Series>,
     (quantity, channel, to, estimator): (&'static str, &str, Option<&str>, Option<&'static str>),
-    unit: &'static str,
+    unit: &str,
     value: (f64, f64),
 ) {
     let is_same = |known: &ShotStatistic| {
-        (known.quantity, known.channel.as_str(), known.to.as_deref(), known.estimator, known.unit)
-            == (quantity, channel, to, estimator, unit)
+        (known.quantity, known.channel.as_str(), known.to.as_deref(), known.estimator)
+            == (quantity, channel, to, estimator)
+            && known.unit == unit
     };
     if let Some((_, values)) = all.iter_mut().find(|(known, _)| is_same(known)) {
         values.push(value);
@@ -127,7 +126,7 @@ fn add(
         channel: channel.to_owned(),
         to: to.map(str::to_owned),
         estimator,
-        unit,
+        unit: unit.to_owned(),
         shots: 0,
         mean: 0.0,
         standard_deviation: None,

@@ -87,7 +87,8 @@ pub fn normalised_errors(
     let (mut errors, joint): (Vec<_>, Vec<_>) = found.into_iter().unzip();
     let traces = comparison.channels.iter().zip(&compared.pairs).zip(&compared.quiet);
     errors.extend(traces.filter_map(|((score, pair), quiet)| {
-        let band = predicted.bands.iter().find(|band| band.channel == score.against)?;
+        let is_volts = score.unit == "V";
+        let band = predicted.bands.iter().find(|band| is_volts && band.channel == score.against)?;
         trace_error((score, gain_u(score, predicted)), pair, (*quiet)?, band)
     }));
     (errors, JointTest::of(&joint, predicted.seed))
@@ -131,7 +132,8 @@ fn first_peaks(
     predicted: &UncertainPrediction,
 ) -> Vec<(NormalisedError, JointQuantity)> {
     let peak = |score: &ChannelScore| {
-        let (measured, simulated) = score.peak_measured_v.zip(score.peak_simulated_v)?;
+        let pair = score.peak_measured.zip(score.peak_simulated);
+        let (measured, simulated) = pair.filter(|_| score.unit == "V")?;
         let name = format!("{} first peak, droop undone", score.against);
         let output = predicted.outputs.iter().find(|output| output.name == name)?;
         let gain = gain_u(score, predicted) * measured.value.abs();

@@ -208,7 +208,7 @@ fn number_length(text: &str) -> usize {
 }
 
 /// A number in engineering notation: mantissa of `digits` significant digits, an SI prefix, the
-/// unit.
+/// unit. A thousand `g` or more have no prefix: as an acceleration they are no kilogram.
 ///
 /// ```
 /// use hertzscope::quantity::engineering;
@@ -241,18 +241,12 @@ pub fn engineering(value: f64, unit: &str, digits: usize) -> String {
     let Some((prefix, power)) = PREFIXES.iter().find(|(_, power)| *power == group) else {
         return join(&format!("{:.*e}", digits - 1, value), "", unit);
     };
+    if group > 0 && (unit == "g" || unit.starts_with("g/")) {
+        return join(&format!("{value:.0}"), "", unit);
+    }
     let before = usize::try_from(exponent - power).unwrap_or(0) + 1;
     let mantissa = rounded / 10f64.powi(*power);
     join(&format!("{:.*}", digits.saturating_sub(before), mantissa), prefix, unit)
-}
-
-/// A value of a signal in `unit` (unit), as [`engineering`] has it: but a thousand times the
-/// acceleration of free fall, `g`, is no kilogram.
-pub fn signal_value(value: f64, unit: &str, digits: usize) -> String {
-    match engineering(value, unit, digits).strip_suffix(" kg") {
-        Some(_) if unit == "g" => format!("{value:.0} g"),
-        _ => engineering(value, unit, digits),
-    }
 }
 
 fn join(number: &str, prefix: &str, unit: &str) -> String {
@@ -409,6 +403,9 @@ mod tests {
         assert_eq!(engineering(-0.000_001_234, "V", 3), "-1.23 µV");
         assert_eq!(engineering(170.9, "m/s", 4), "170.9 m/s");
         assert_eq!(engineering(1e-20, "N", 3), "1.00e-20 N");
+        assert_eq!(engineering(5012.4, "g", 4), "5012 g");
+        assert_eq!(engineering(2000.0, "g/div", 3), "2000 g/div");
+        assert_eq!(engineering(0.0124, "g", 3), "12.4 mg");
     }
 
     #[test]

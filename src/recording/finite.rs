@@ -52,7 +52,6 @@ pub(super) fn check_numbers(waveform: &Waveform) -> Result<(), String> {
             preamble.y_off
         ));
     }
-    let ends = [waveform.codes.iter().min(), waveform.codes.iter().max()];
-    let ends = ends.into_iter().flatten().map(|code| ("value", waveform.volts_of(*code)));
+    let ends = waveform.extremes().into_iter().flatten().map(|value| ("value", value));
     ends.collect::<Vec<_>>().iter().try_for_each(limited)
 }

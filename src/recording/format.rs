@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use super::binary;
 use super::isf;
-use super::mcap::{IndexedRecording, ShotNotes, Traffic};
+use super::mcap::{IndexedRecording, MAGIC, ShotNotes, Traffic};
+use super::rohde_schwarz;
 use super::set_file::{self, SetFile};
 use super::tek_csv::{self, TableColumns};
 use super::{Attachment, Capture, Origin, RecordingError, ScpiLine, Shot, TraceSet};
@@ -72,14 +73,43 @@ impl FileFormat {
         self.ending == ending || self.measurement_endings.contains(&ending)
     }
 
-    /// The format that a file is read as.
+    /// The format that a file is read as, by its ending, else by its content.
     fn of(path: &Path) -> Option<&'static Self> {
-        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+        let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
+        let ending = ending.to_ascii_lowercase();
         let has = |format: &&Self| {
             format.is_measurement(&ending) || format.other_endings.contains(&ending.as_str())
         };
-        FORMATS.iter().find(has)
+        FORMATS.iter().find(has).or_else(|| Self::by_content(&head(path)?))
     }
+
+    /// The format of a file that begins with `head`; none for text that is no table, and for other
+    /// bytes.
+    fn by_content(head: &[u8]) -> Option<&'static Self> {
+        let [tables, isf] = &FORMATS;
+        let text = String::from_utf8_lossy(head).to_ascii_uppercase();
+        let is_number = |cell: &str| cell.trim().parse::<f64>().is_ok();
+        let is_row = |line: &&str| {
+            let cells = line.split([',', ';', '\t', ' ']).filter(|cell| !cell.trim().is_empty());
+            let numbers = cells.clone().filter(|cell| is_number(cell)).count();
+            numbers > 0 && 2 * numbers >= cells.count()
+        };
+        if text.trim_start_matches(':').starts_with("WFMP") || text.starts_with(":CURV") {
+            return Some(isf);
+        }
+        let rows = text.lines().filter(is_row).count();
+        let is_table = !head.contains(&0) && 2 * rows > text.lines().count();
+        (binary::recognises(head) || is_table).then_some(tables)
+    }
+}
+
+/// The first bytes of a file.
+fn head(path: &Path) -> Option<Vec<u8>> {
+    use std::io::Read as _;
+    const BYTES: u64 = 16 << 10;
+    let mut head = Vec::new();
+    std::fs::File::open(path).ok()?.take(BYTES).read_to_end(&mut head).ok()?;
+    Some(head)
 }
 
 /// Key of a shot's folder in the metadata `hertzscope:import/<shot>`.
@@ -127,7 +157,8 @@ fn imported(path: &Path, columns: &TableColumns) -> Result<TraceSet, RecordingEr
         None if !path.is_file() || FileFormat::of(path).is_none() => Err(unknown_format(path)),
         _ => {
             let mut set = TraceSet::default();
-            add_shot(&mut set, &[path.to_owned()], "", columns)?;
+            let pair = rohde_schwarz::pair(path).map(|pair| pair.to_vec());
+            add_shot(&mut set, &pair.unwrap_or_else(|| vec![path.to_owned()]), "", columns)?;
             Ok(set)
         }
     }
@@ -158,7 +189,8 @@ impl Recording {
     /// # Errors
     /// [`RecordingError`] with the file and what is wrong with it.
     pub fn open(path: &Path, columns: &TableColumns) -> Result<Self, RecordingError> {
-        if Format::of(path) != Some(Format::Mcap) {
+        let is_mcap = || path.is_file() && head(path).is_some_and(|head| head.starts_with(&MAGIC));
+        if Format::of(path) != Some(Format::Mcap) && (Format::of(path).is_some() || !is_mcap()) {
             return Ok(imported(path, columns)?.into());
         }
         let mut file = IndexedRecording::open(path)?;
@@ -435,6 +467,11 @@ fn add_shot(
     let (mut sensors, mut attachments) = (Vec::new(), Vec::new());
     let (mut first, mut saved) = (None, 0);
     for file in files {
+        if rohde_schwarz::is_header(file) {
+            let bytes = read_limited(file, FORMATS[0].max_bytes)?;
+            attachments.push(attachment(file, prefix, "text/csv", bytes));
+            continue;
+        }
         let (found, bytes, media_type) = match read(file, columns) {
             Ok(read) => read,
             Err(error) => {
@@ -495,6 +532,12 @@ fn read(
         return Err(unknown_format(file));
     };
     let bytes = read_limited(file, format.max_bytes)?;
+    if let Some([header, _]) = rohde_schwarz::pair(file) {
+        let name = file.display().to_string();
+        let header = read_limited(&header, format.max_bytes)?;
+        let table = rohde_schwarz::table(&header, &bytes, &name)?;
+        return Ok((tek_csv::read_columns(&table, &name, columns)?, bytes, format.media_type));
+    }
     let captures = (format.read)(&bytes, &file.display().to_string(), columns)?;
     let is_text = !binary::recognises(&bytes);
     let media_type = if is_text { format.media_type } else { "application/octet-stream" };

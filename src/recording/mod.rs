@@ -13,6 +13,7 @@ mod finite;
 pub mod format;
 pub mod isf;
 pub mod mcap;
+mod rohde_schwarz;
 pub mod set_file;
 pub mod tek_csv;
 pub mod true_signal;
@@ -58,7 +59,7 @@ impl Capture {
             unit: waveform.preamble.y_unit.clone(),
             start: waveform.time(0),
             interval: waveform.preamble.x_incr,
-            values: waveform.codes.iter().map(|code| waveform.volts_of(*code)).collect(),
+            values: waveform.values().collect(),
         })
     }
 }

@@ -76,9 +76,9 @@ pub fn arrivals_picture(survey: &Survey, shot: &Shot, title: &str) -> Sheet {
 }
 
 fn row(channel: &ChannelArrivals) -> Vec<String> {
-    let height = match (channel.height_n, channel.height_v) {
-        (Some(force), _) => with(Some(force), "N"),
-        (None, volts) => with(volts, "V"),
+    let height = match channel.height_n {
+        Some(force) => with(Some(force), "N"),
+        None => with(channel.height, &channel.unit),
     };
     let mut row = vec![
         channel.channel.clone(),

@@ -32,7 +32,7 @@ fn rows(comparison: &Comparison) -> Vec<Vec<String>> {
             format!("{}{sensor}", c.name),
             c.against.clone(),
             format!("{:.4} ± {:.4}", c.gain.value, c.gain.expanded()),
-            signed(c.offset_v, "V", 2),
+            signed(c.offset, &c.unit, 2),
             or_dash(c.peak_error.map(share)),
             or_dash(c.arrival_error_s.map(|error| {
                 format!(
@@ -54,10 +54,10 @@ fn residual_rows(comparison: &Comparison) -> Vec<Vec<String>> {
         let newtons = |value: Option<f64>| or_dash(value.map(|n| engineering(n, "N", 3)));
         vec![
             c.name.clone(),
-            engineering(c.rms, "V", 3),
+            engineering(c.rms, &c.unit, 3),
             format!("{:.2} LSB", c.rms_lsb),
             newtons(c.rms_n),
-            engineering(c.max, "V", 3),
+            engineering(c.max, &c.unit, 3),
             format!("{:.2} LSB", c.max_lsb),
             newtons(c.max_n),
             c.samples.to_string(),
@@ -139,15 +139,21 @@ pub fn comparison_page(compared: &Compared, bands: &[TraceBand], stem: &str) -> 
     for (score, pair) in comparison.channels.iter().zip(&compared.pairs) {
         let name = &score.name;
         let title = format!("{name}: measured and simulated");
-        let band = bands.iter().find(|band| band.channel.eq_ignore_ascii_case(&score.against));
+        let band = bands
+            .iter()
+            .find(|band| score.unit == "V" && band.channel.eq_ignore_ascii_case(&score.against));
         let area = band.map(|band| area(band, comparison.shift_s));
         let simulated = trace_points(&pair.simulated);
-        let both =
-            measured_over(name, trace_points(&pair.measured), area, ("simulated", simulated));
+        let both = measured_over(
+            [name, &score.unit],
+            trace_points(&pair.measured),
+            area,
+            ("simulated", simulated),
+        );
         let both = Sheet::stack(title.as_str(), vec![both]);
         let residual = trace_points(&pair.residual());
         let shown = format!("{name}: measured minus simulated");
-        let apart = Plot::over_time([&shown, "V"], residual, Vec::new());
+        let apart = Plot::over_time([&shown, &score.unit], residual, Vec::new());
         let apart = Sheet::stack(format!("{name}: difference"), vec![apart]);
         parts.push(Part::Picture(format!("{stem}-{name}.svg"), title, both));
         parts.push(Part::Picture(format!("{stem}-{name}-difference.svg"), shown, apart));
@@ -165,16 +171,17 @@ fn area(band: &TraceBand, shift: f64) -> Series {
     Series::area("95 % of simulated", &points(&band.low_v), &points(&band.high_v))
 }
 
-/// A measured trace over a calculated one with its name, both in the legend.
+/// A measured trace over a calculated one with its name, both in the legend; `axis` is the channel
+/// and the unit.
 pub(super) fn measured_over(
-    channel: &str,
+    axis: [&str; 2],
     measured: Vec<(f64, f64)>,
     area: Option<Series>,
     (name, calculated): (&str, Vec<(f64, f64)>),
 ) -> Plot {
     let calculated = Series::new(name, calculated, COLOURS[1], Stroke::Solid);
     let behind = area.into_iter().chain([calculated]).collect();
-    let mut plot = Plot::over_time([channel, "V"], measured, behind);
+    let mut plot = Plot::over_time(axis, measured, behind);
     if let Some(line) = plot.lines.last_mut() {
         "measured".clone_into(&mut line.name);
     }

@@ -2,7 +2,7 @@
 
 use super::table;
 use super::text::hanging_indent;
-use crate::quantity::{engineering, signal_value};
+use crate::quantity::engineering;
 use crate::recording::mcap::Traffic;
 use crate::recording::{Capture, Origin, Shot, TraceSet};
 use crate::scope::Source;
@@ -136,10 +136,10 @@ fn listed(sources: &[Source]) -> String {
 fn capture_row(capture: &Capture) -> Vec<String> {
     let waveform = &capture.waveform;
     let preamble = &waveform.preamble;
-    let extreme = |code: Option<&i16>| {
-        code.map_or("-".to_owned(), |code| {
-            signal_value(waveform.volts_of(*code), &preamble.y_unit, 4)
-        })
+    let extremes = waveform.extremes();
+    let extreme = |which: usize| {
+        let value = extremes.and_then(|extremes| extremes.get(which).copied());
+        value.map_or("-".to_owned(), |value| engineering(value, &preamble.y_unit, 4))
     };
     vec![
         waveform.source.to_string(),
@@ -149,8 +149,8 @@ fn capture_row(capture: &Capture) -> Vec<String> {
         waveform.vertical.coupling.map_or("?".to_owned(), |c| c.to_string()),
         engineering(waveform.horizontal_scale, &format!("{}/div", preamble.x_unit), 3),
         ((1e3 * waveform.trigger_point).round() / 1e3).to_string(),
-        extreme(waveform.codes.iter().min()),
-        extreme(waveform.codes.iter().max()),
+        extreme(0),
+        extreme(1),
         waveform.clipped().to_string(),
     ]
 }

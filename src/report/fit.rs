@@ -144,7 +144,7 @@ pub fn fit_page(fit: &Fit, stem: &str) -> Vec<Part> {
         let title = format!("{name}: measured and fitted");
         let fitted = points(&mut shown.iter().copied());
         let measured = points(&mut record.volts.iter().copied());
-        let both = measured_over(name, measured, None, ("fitted", fitted));
+        let both = measured_over([name, "V"], measured, None, ("fitted", fitted));
         let both = Sheet::stack(title.as_str(), vec![both]);
         let what = format!("{name}: measured minus fitted");
         let left = record.volts.iter().zip(shown).zip(&record.counts);

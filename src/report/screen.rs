@@ -40,7 +40,7 @@ pub fn screen(shot: &Shot, title: &str) -> Sheet {
         ticks,
     };
     let grounds = captures.iter().map(|capture| {
-        let ground = capture.waveform.preamble.y_off / LEVELS_PER_DIVISION;
+        let ground = capture.waveform.ground() / LEVELS_PER_DIVISION;
         (ground.clamp(-0.5 * down, 0.5 * down), capture.waveform.source.to_string())
     });
     let base = base.map_or_else(String::new, |base| format!("M {base}"));
@@ -56,14 +56,13 @@ pub fn screen(shot: &Shot, title: &str) -> Sheet {
         .map(|capture| {
             let waveform = &capture.waveform;
             let step = across / points(capture);
-            let place = |(index, code): (usize, &i16)| {
-                (step * index as f64, f64::from(*code) / LEVELS_PER_DIVISION)
-            };
+            let place =
+                |(index, height): (usize, f64)| (step * index as f64, height / LEVELS_PER_DIVISION);
             let unit = format!("{}/div", waveform.preamble.y_unit);
             let scale = engineering(waveform.vertical.scale, &unit, 3);
             let clipped = if waveform.clipped() > 0 { ", clipped" } else { "" };
             let name = format!("{} {scale}{clipped}", waveform.source);
-            let points = waveform.codes.iter().enumerate().map(place).collect();
+            let points = waveform.heights().enumerate().map(place).collect();
             Series::new(name, points, colour(waveform.source), Stroke::Solid)
         })
         .collect();

@@ -11,7 +11,7 @@ pub fn statistics(found: &[ShotStatistic]) -> String {
         ["", "estimator", "shots", "mean", "st. dev.", "", "repeatability", "trend per shot", ""];
     let mut rows = vec![heading.map(str::to_owned).to_vec()];
     for statistic in found {
-        let shown = |value: f64| engineering(value, statistic.unit, 3);
+        let shown = |value: f64| engineering(value, &statistic.unit, 3);
         let or_none = |value: Option<f64>| value.map_or("-".to_owned(), shown);
         // A time after the trigger has no natural zero.
         let relative = statistic.standard_deviation.filter(|_| statistic.unit != "s");
@@ -26,7 +26,7 @@ pub fn statistics(found: &[ShotStatistic]) -> String {
             },
             statistic.estimator.unwrap_or_default().replace('_', " "),
             statistic.shots.to_string(),
-            engineering(statistic.mean, statistic.unit, 5),
+            engineering(statistic.mean, &statistic.unit, 5),
             or_none(statistic.standard_deviation),
             relative.filter(|r| r.is_finite()).map_or(String::new(), |r| format!("{r:.2} %")),
             or_none(statistic.repeatability),
@@ -55,7 +55,7 @@ pub fn statistics_table(found: &[ShotStatistic]) -> Table {
             statistic.channel.as_str().into(),
             statistic.to.as_deref().into(),
             statistic.estimator.into(),
-            statistic.unit.into(),
+            statistic.unit.as_str().into(),
             (statistic.shots as u64).into(),
             statistic.mean.into(),
             statistic.standard_deviation.into(),

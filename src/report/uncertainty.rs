@@ -268,6 +268,7 @@ mod tests {
             u: 0.05,
             expanded: 0.1,
             interval_95: [2.9, 3.1],
+            drawn: Vec::new(),
             explained: 0.75,
             inputs: vec![share("speed", 0.5), share("mass", 0.25)],
         };

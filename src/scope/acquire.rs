@@ -114,6 +114,7 @@ pub fn record(setup: &Setup, source: Source, channel: &ChannelSetup, volts: Vec<
     Waveform {
         source,
         codes: volts.into_iter().map(|volts| level(&vertical, volts)).collect(),
+        as_read: Vec::new(),
         preamble: Preamble {
             x_zero: -trigger_point * interval,
             x_incr: interval,

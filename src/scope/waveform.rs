@@ -159,6 +159,9 @@ pub struct Waveform {
     pub source: Source,
     /// Digitiser levels; 25 to a division, -128 to 127 from the 8-bit converter.
     pub codes: Vec<i16>,
+    /// The values as a file gives them, if the levels do not return them exactly; otherwise empty
+    /// (unit).
+    pub as_read: Vec<f64>,
     /// Scaling of levels and indices.
     pub preamble: Preamble,
     /// Channel settings.
@@ -185,7 +188,48 @@ impl Waveform {
 
     /// Ordinate of point `index`, `None` beyond the record (V, or dB for an FFT).
     pub fn volts(&self, index: usize) -> Option<f64> {
-        self.codes.get(index).map(|code| self.volts_of(*code))
+        let of_code = || self.codes.get(index).map(|code| self.volts_of(*code));
+        self.as_read.get(index).copied().or_else(of_code)
+    }
+
+    /// The ordinates of all points (V, or dB for an FFT).
+    pub fn values(&self) -> impl Iterator<Item = f64> + '_ {
+        (0..self.codes.len()).filter_map(|index| self.volts(index))
+    }
+
+    /// Lowest and highest ordinate; none of an empty record (V, or dB for an FFT).
+    pub fn extremes(&self) -> Option<[f64; 2]> {
+        self.values().fold(None, |found, value| match found {
+            None => Some([value; 2]),
+            Some([low, high]) => Some([value.min(low), value.max(high)]),
+        })
+    }
+
+    /// Whether a division has 25 levels.
+    fn has_levels(&self) -> bool {
+        const ROUND_OFF: f64 = 1e-6;
+        let level = self.vertical.scale / LEVELS_PER_DIVISION;
+        (self.preamble.y_mult - level).abs() <= ROUND_OFF * level.abs()
+    }
+
+    /// Heights of all points above the screen's centre in levels, 25 a division (1).
+    pub fn heights(&self) -> impl Iterator<Item = f64> + '_ {
+        let (has_levels, vertical) = (self.has_levels(), &self.vertical);
+        let is_over_time = self.preamble.x_unit == "s";
+        self.codes.iter().zip(self.values()).map(move |(code, value)| {
+            if has_levels || !is_over_time {
+                return f64::from(*code);
+            }
+            LEVELS_PER_DIVISION * (value / vertical.scale + vertical.position)
+        })
+    }
+
+    /// Height of zero above the screen's centre in levels, 25 a division (1).
+    pub fn ground(&self) -> f64 {
+        if self.has_levels() || self.preamble.x_unit != "s" {
+            return self.preamble.y_off;
+        }
+        LEVELS_PER_DIVISION * self.vertical.position
     }
 
     /// Size of a digitiser level (V, or dB for an FFT).
@@ -202,9 +246,7 @@ impl Waveform {
 
     /// The places of these points, from the first.
     pub fn clipped_points(&self) -> impl Iterator<Item = usize> + '_ {
-        const ROUND_OFF: f64 = 1e-6;
-        let level = self.vertical.scale / LEVELS_PER_DIVISION;
-        let has_levels = (self.preamble.y_mult - level).abs() <= ROUND_OFF * level.abs();
+        let has_levels = self.has_levels();
         let at_an_end = |code: &i16| matches!(*code, LOWEST_CODE | HIGHEST_CODE);
         let codes = self.codes.iter().enumerate();
         // The ends of 16 bits stand for values beyond the range of any converter.

@@ -83,8 +83,8 @@ fn trace(picture: &mut Picture, waveform: &Waveform, screen: &Screen) {
     let ink = Ink::of(waveform.source);
     let zoom = (waveform.preamble.x_unit == "Hz").then_some(screen.zoom);
     let (first, points) = shown(waveform.codes.len(), zoom);
-    let height = |code: i16| {
-        let level = f64::from(code);
+    let heights: Vec<f64> = waveform.heights().collect();
+    let height = |level: f64| {
         CENTRE - dots(zoom.map_or(level, |zoom| level * zoom.up + zoom.position * LEVELS))
     };
     let bounded = |y: i32| y.clamp(CORNER.1, CORNER.1 + SPAN.1);
@@ -93,8 +93,8 @@ fn trace(picture: &mut Picture, waveform: &Waveform, screen: &Screen) {
     for column in 0..SPAN.0 {
         let range = first + points * f64::from(column) / f64::from(SPAN.0);
         let end = first + points * f64::from(column + 1) / f64::from(SPAN.0);
-        let codes = between(&waveform.codes, range, end);
-        let levels = codes.iter().zip(between(&blank, range, end)).filter(|(_, blank)| !**blank);
+        let levels = between(&heights, range, end);
+        let levels = levels.iter().zip(between(&blank, range, end)).filter(|(_, blank)| !**blank);
         let heights: Vec<i32> = levels.map(|(code, _)| height(*code)).collect();
         let x = CORNER.0 + 1 + column;
         if screen.dots {
@@ -137,7 +137,7 @@ fn between<T>(points: &[T], start: f64, end: f64) -> &[T] {
 
 /// An arrow at the left edge at zero volts, with the channel's number.
 fn ground(picture: &mut Picture, waveform: &Waveform, zoom: Option<Zoom>) {
-    let level = zoom.map_or(waveform.preamble.y_off, |zoom| zoom.position * LEVELS);
+    let level = zoom.map_or_else(|| waveform.ground(), |zoom| zoom.position * LEVELS);
     let y = (CENTRE - dots(level)).clamp(CORNER.1 + 3, CORNER.1 + SPAN.1 - 3);
     let ink = Ink::of(waveform.source);
     let name = match waveform.source {
@@ -156,8 +156,8 @@ fn against_each_other(picture: &mut Picture, traces: &[Waveform]) {
     let of = |number| traces.iter().find(|trace| trace.source == Source::Channel(number));
     let (Some(x), Some(y)) = (of(1), of(2)) else { return };
     let centre = CORNER.0 + SPAN.0 / 2;
-    for (right, up) in x.codes.iter().zip(&y.codes) {
-        let (x, y) = (centre + i32::from(*right), CENTRE - i32::from(*up));
+    for (right, up) in x.heights().zip(y.heights()) {
+        let (x, y) = (centre + right.round() as i32, CENTRE - up.round() as i32);
         if (CORNER.1..=CORNER.1 + SPAN.1).contains(&y) {
             dot(picture, x, y, Ink::Channel1);
         }

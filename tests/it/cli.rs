@@ -3,6 +3,7 @@
 
 mod convert;
 mod cost;
+mod digits;
 mod doctor;
 mod effects;
 mod help;
@@ -12,6 +13,7 @@ mod output;
 mod pictures;
 mod run;
 mod transfer;
+mod units;
 
 use std::path::Path;
 

@@ -155,6 +155,7 @@ fn made_up(codes: Vec<i16>) -> Capture {
         waveform: Waveform {
             source: Source::Channel(2),
             codes,
+            as_read: Vec::new(),
             preamble: Preamble {
                 x_zero: -0.15,
                 x_incr: 2e-4,

@@ -28,6 +28,11 @@ fn capture(source: Source, wide: bool, seed: i32) -> Capture {
         waveform: Waveform {
             source,
             codes: (0..500).map(level).collect(),
+            as_read: if wide {
+                (0..500).map(|i| f64::from(level(i)) / 24.9).collect()
+            } else {
+                Vec::new()
+            },
             preamble: Preamble {
                 x_zero: -1.25e-4,
                 x_incr: 1e-7,

@@ -6,6 +6,7 @@ mod bench;
 mod connections;
 mod faults;
 mod hislip;
+mod libsigrok;
 mod load;
 mod process;
 mod random_sessions;

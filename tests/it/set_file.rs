@@ -60,6 +60,7 @@ fn capture(number: u8, scale: f64, position_levels: i16) -> Capture {
         waveform: Waveform {
             source: Source::Channel(number),
             codes: (-128..=127).cycle().take(2500).collect(),
+            as_read: Vec::new(),
             preamble: Preamble {
                 x_zero: -250e-6,
                 x_incr: 1e-6,

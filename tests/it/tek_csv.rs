@@ -8,6 +8,7 @@
 mod binary;
 mod captures;
 mod changed;
+mod cut;
 mod foreign;
 mod foreign_captures;
 mod foreign_random;
@@ -17,6 +18,7 @@ mod impact_labs;
 mod imports;
 mod instrument_variants;
 mod made_up;
+mod pairs;
 mod random;
 mod refused;
 mod round_trip;
@@ -24,3 +26,4 @@ mod rows;
 mod variants;
 
 pub(crate) use captures::NATIVE_CAPTURES;
+pub(crate) use generated_tables::Draws;

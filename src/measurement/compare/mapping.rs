@@ -73,7 +73,7 @@ pub enum MappingError {
     },
     /// A side without a capture over time.
     #[error(
-        "{side}: found no capture of volts over time in shot {shot}, expected at least one: was the scope triggered?"
+        "{side}: found no capture over time in shot {shot}, expected at least one: was the scope triggered?"
     )]
     Empty {
         /// The side.
@@ -110,10 +110,7 @@ impl ChannelNames {
                 let sensor = sensor.map(|sensor| sensor.name.clone());
                 names.push((place, name, sensor));
             } else {
-                notes.push(format!(
-                    "{}: {name} is no record of volts over time and is left out",
-                    side.name
-                ));
+                notes.push(format!("{}: {name} is no record over time and is left out", side.name));
             }
         }
         if names.is_empty() {
@@ -150,7 +147,7 @@ impl ChannelNames {
 }
 
 fn over_time(capture: &Capture) -> bool {
-    capture.waveform.preamble.x_unit == "s" && capture.waveform.preamble.y_unit == "V"
+    capture.waveform.preamble.x_unit == "s"
 }
 
 /// The sensor at a channel.

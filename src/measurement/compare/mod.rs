@@ -8,22 +8,24 @@
 //! [`crate::analysis::comparison`]. JSON names and units are part of the interface.
 
 mod compared_shot;
+mod error;
 pub mod mapping;
 mod score;
 pub mod score_limits;
 mod scores;
 
 pub use compared_shot::ComparedShot;
+pub use error::CompareError;
 pub use score::{ChannelScore, SpeedScore};
 
 use serde::Serialize;
 
 use super::arrivals::trigger_u;
 use crate::analysis::arrival::Estimator;
-use crate::analysis::comparison::{MIN_COMMON_SAMPLES, Pair, least_squares_shift};
-use crate::quantity::{Uncertain, engineering};
+use crate::analysis::comparison::{Pair, least_squares_shift};
+use crate::quantity::Uncertain;
 use compared_shot::scene_of;
-use mapping::{Assignment, ChannelNames, MappingError};
+use mapping::{Assignment, ChannelNames};
 use score_limits::ScoreLimits;
 use scores::ChannelPair;
 
@@ -84,38 +86,11 @@ pub struct Comparison {
 pub struct Compared {
     /// The scores.
     pub comparison: Comparison,
-    /// Both traces of each channel on the measured one's axis (V).
+    /// Both traces of each channel on the measured one's axis, in the unit of its score.
     pub pairs: Vec<Pair>,
     /// Zero of each channel's traces and standard deviation of one sample, measured and simulated;
-    /// none without a pulse (V).
+    /// none without a pulse, in the unit of its score.
     pub quiet: Vec<Option<[Uncertain; 2]>>,
-}
-
-/// Why two recordings cannot be compared.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum CompareError {
-    /// No channel has a partner.
-    #[error(transparent)]
-    Mapping(#[from] MappingError),
-    /// Records of different times.
-    #[error(
-        "{channel}: found fewer than {MIN_COMMON_SAMPLES} samples in common after a shift of {}, expected records of the same time",
-        engineering(*shift_s, "s", 3)
-    )]
-    Apart {
-        /// The measured channel.
-        channel: String,
-        /// The shift (s).
-        shift_s: f64,
-    },
-    /// A record without a level or without a change.
-    #[error(
-        "{channel}: found a simulated trace that never changes, expected a signal to compare with"
-    )]
-    Flat {
-        /// The measured channel.
-        channel: String,
-    },
 }
 
 /// Holds `measured` against `simulated`.
@@ -131,8 +106,8 @@ pub fn compare(
     let mut notes = Vec::new();
     let ends = (ChannelNames::of(measured, &mut notes)?, ChannelNames::of(simulated, &mut notes)?);
     let wires = mapping::wires(&ends.0, &ends.1, assignments, &mut notes)?;
-    let channels: Vec<ChannelPair> =
-        wires.iter().map(|wire| ChannelPair::of(measured, simulated, wire, &mut notes)).collect();
+    let channels = wires.iter().map(|wire| ChannelPair::of(measured, simulated, wire, &mut notes));
+    let channels = channels.collect::<Result<Vec<_>, _>>()?;
     let borrowed: Vec<&str> =
         channels.iter().filter(|c| c.borrowed).map(|c| c.name.as_str()).collect();
     if !borrowed.is_empty() {

@@ -22,12 +22,14 @@ pub struct ChannelScore {
     /// Relative standard uncertainty of the measuring channel's gain, from its data sheet; 0 for an
     /// exact scope (1).
     pub gain_u: f64,
-    /// Offset: the measured trace where the simulated one is zero; not removed (V).
-    pub offset_v: f64,
-    /// First peak of the measured trace, volts.
-    pub peak_measured_v: Option<Uncertain>,
-    /// First peak of the simulated trace, volts.
-    pub peak_simulated_v: Option<Uncertain>,
+    /// Unit in which both sides are compared: the measurement's, or that of both.
+    pub unit: String,
+    /// Offset: the measured trace where the simulated one is zero; not removed (unit).
+    pub offset: f64,
+    /// First peak of the measured trace, in the unit of the channel.
+    pub peak_measured: Option<Uncertain>,
+    /// First peak of the simulated trace, in the unit of the channel.
+    pub peak_simulated: Option<Uncertain>,
     /// Measured over simulated first peak, less one.
     pub peak_error: Option<Uncertain>,
     /// Arrival of the measured trace after its trigger, half-rise, seconds.
@@ -37,20 +39,20 @@ pub struct ChannelScore {
     /// Measured minus simulated arrival, half-rise, after the shift, without the shift's
     /// uncertainty, seconds.
     pub arrival_error_s: Option<Uncertain>,
-    /// Root mean square of measured minus simulated (V).
+    /// Root mean square of measured minus simulated (unit).
     pub rms: f64,
     /// The same in levels of the measured trace (1).
     pub rms_lsb: f64,
     /// The same as a force, droop and baselines taken out; none without a calibrated sensor (N).
     pub rms_n: Option<f64>,
-    /// Largest difference (V).
+    /// Largest difference (unit).
     pub max: f64,
     /// The same in levels of the measured trace (1).
     pub max_lsb: f64,
     /// The same as a force (N).
     pub max_n: Option<f64>,
-    /// One level of the measured trace (V).
-    pub lsb_v: f64,
+    /// One level of the measured trace (unit).
+    pub lsb: f64,
     /// Pearson's coefficient (1).
     pub correlation: Option<f64>,
     /// Distance of the amplitude spectra over the simulated one's norm (1).

@@ -170,9 +170,11 @@ fn in_words(amount: Amount) -> String {
 fn beyond(channel: &ChannelScore, limit: Limit) -> Option<String> {
     let share = |error: f64| percent(error);
     let seconds = |error: f64| engineering(error, "s", 3);
-    let residual = |most: Amount, (volts, levels, newtons): (f64, f64, Option<f64>)| match most {
+    let residual = |most: Amount, (own, levels, newtons): (f64, f64, Option<f64>)| match most {
         Amount::Levels(most) => (Some(levels), most, in_words(Amount::Levels(levels))),
-        Amount::Volts(most) => (Some(volts), most, in_words(Amount::Volts(volts))),
+        Amount::Volts(most) => {
+            (Some(own).filter(|_| channel.unit == "V"), most, in_words(Amount::Volts(own)))
+        }
         Amount::Newtons(most) => {
             (newtons, most, newtons.map_or_else(String::new, |n| in_words(Amount::Newtons(n))))
         }

@@ -1,30 +1,37 @@
 //! The scores of one channel, and of speeds between channels.
 
 use super::mapping::{ChannelMapping, sensor_at};
-use super::{ChannelScore, ComparedShot, SpeedScore, scene_of};
+use super::{ChannelScore, CompareError, ComparedShot, SpeedScore, scene_of};
 use crate::analysis::arrival::Estimator;
 use crate::analysis::comparison::Pair;
 use crate::analysis::least_squares::squares;
-use crate::analysis::pulse::Pulse;
+use crate::analysis::pulse::{Conditions, Pulse};
 use crate::analysis::speed::speed;
-use crate::measurement::arrivals::{first_pulse, neighbours, sort_down};
+use crate::measurement::arrivals::{first_pulse, neighbours, pulse_in, sort_down};
+use crate::measurement::force::forces;
 use crate::measurement::metadata::{self, RecordedSensor};
 use crate::quantity::Uncertain;
+use crate::recording::Capture;
 use crate::scene::{PlatePlace, Scene};
+use crate::scope::Source;
 use crate::trace::Trace;
 
 /// Estimators whose speeds are compared.
 const ESTIMATORS: [Estimator; 2] = [Estimator::HalfRise, Estimator::Peak];
 
+/// What one `g` of an accelerometer is, by definition (m/s^2).
+const STANDARD_GRAVITY: f64 = 9.80665;
+
 /// Both sides of one channel.
 pub struct ChannelPair {
     /// The measured channel.
     pub name: String,
-    /// The measured trace (V).
+    /// The measured trace, in `unit`.
     pub measured: Trace,
-    /// The simulated trace on its own axis (V).
+    /// The simulated trace on its own axis, in `unit`.
     pub simulated: Trace,
     against: String,
+    unit: String,
     lsb: f64,
     clipped: usize,
     /// Whether the simulated sensor's calibration stands in for an unknown one.
@@ -42,18 +49,9 @@ impl ChannelPair {
         simulated: ComparedShot<'_>,
         wire: &ChannelMapping,
         notes: &mut Vec<String>,
-    ) -> Self {
+    ) -> Result<Self, CompareError> {
         let (here, there) =
             (&measured.shot.captures[wire.measured], &simulated.shot.captures[wire.simulated]);
-        let empty = || Trace {
-            name: String::new(),
-            unit: "V".to_owned(),
-            start: 0.0,
-            interval: 1.0,
-            values: Vec::new(),
-        };
-        let (measured_trace, simulated_trace) =
-            (here.trace().unwrap_or_else(empty), there.trace().unwrap_or_else(empty));
         let (name, against) = (here.waveform.source.to_string(), there.waveform.source.to_string());
         let known = |side: ComparedShot<'_>| metadata::sensors_of(side.set, side.shot.number);
         let (own, other) = (known(measured), known(simulated));
@@ -67,9 +65,26 @@ impl ChannelPair {
         let (tau, tau_there) = or_other(|sensor| sensor.time_constant);
         let (sensitivity, sensitivity_there) = or_other(|sensor| sensor.sensitivity);
         let borrowed = own.and_then(|sensor| sensor.sensitivity).is_none() && sensitivity.is_some();
-        let found =
-            first_pulse(here, tau).and_then(|pulse| Ok((pulse, first_pulse(there, tau_there)?)));
-        let gain_u = if metadata::is_scope_exact(measured.set) {
+        let (unit, sides) = in_one_unit((measured, here), (simulated, there))?;
+        let is_volts = unit == "V";
+        let pulse = |capture: &Capture, side: &ConvertedTrace, tau: Option<f64>| {
+            if !side.was_converted {
+                return first_pulse(capture, tau.filter(|_| is_volts));
+            }
+            let conditions = Conditions { level: side.level, ..Conditions::default() };
+            pulse_in(&side.trace, &capture.waveform, conditions)
+        };
+        let found = pulse(here, &sides[0], tau)
+            .and_then(|found| Ok((found, pulse(there, &sides[1], tau_there)?)));
+        for (side, name) in sides.iter().zip([("measured", &name), ("simulated", &against)]) {
+            if side.was_converted {
+                let (which, name) = name;
+                notes.push(format!("{which} {name} is in {unit} by its sensor's sensitivity"));
+            }
+        }
+        let gain_u = if metadata::is_scope_exact(measured.set)
+            || here.waveform.preamble.y_unit != "V"
+        {
             0.0
         } else {
             let scene = scene_of(simulated).or_else(|| scene_of(measured));
@@ -81,20 +96,26 @@ impl ChannelPair {
         if let Err(problem) = &found {
             notes.push(format!("{name}: no peak and no arrival: {problem}"));
         }
-        Self {
+        let [own_side, other_side] = sides;
+        Ok(Self {
             name,
             against,
-            lsb: here.waveform.preamble.y_mult.abs(),
+            lsb: own_side.level,
             clipped: here.waveform.clipped(),
-            borrowed,
+            borrowed: borrowed && is_volts,
             gain_u,
             pulses: found.ok(),
             // Forces need the droop undone.
-            sensitivities: tau.and(sensitivity).zip(tau_there.and(sensitivity_there)),
+            sensitivities: match unit.as_str() {
+                "V" => tau.and(sensitivity).zip(tau_there.and(sensitivity_there)),
+                "N" => Some((1.0, 1.0)),
+                _ => None,
+            },
+            unit,
             place: other.and_then(|s| s.place).or_else(|| own.and_then(|s| s.place)),
-            measured: measured_trace,
-            simulated: simulated_trace,
-        }
+            measured: own_side.trace,
+            simulated: other_side.trace,
+        })
     }
 
     /// Both traces, and the weight that makes channels of different height count alike (1).
@@ -127,7 +148,7 @@ impl ChannelPair {
         Pair::new(&force(measured, own), &force(simulated, other), shift)
     }
 
-    /// Zero and noise on both sides, the measured one first, if there is a pulse (V).
+    /// Zero and noise on both sides, the measured one first, if there is a pulse; in `unit`.
     pub fn quiet(&self) -> Option<[Uncertain; 2]> {
         let (measured, simulated) = self.pulses.as_ref()?;
         Some(
@@ -161,9 +182,10 @@ impl ChannelPair {
             shift_s,
             gain: distance.gain,
             gain_u: self.gain_u,
-            offset_v: distance.offset,
-            peak_measured_v: heights.map(|(m, _)| m),
-            peak_simulated_v: heights.map(|(_, s)| s),
+            unit: self.unit.clone(),
+            offset: distance.offset,
+            peak_measured: heights.map(|(m, _)| m),
+            peak_simulated: heights.map(|(_, s)| s),
             peak_error,
             arrival_measured_s: arrivals.map(|(m, _)| m),
             arrival_simulated_s: arrivals.map(|(_, s)| s),
@@ -174,13 +196,81 @@ impl ChannelPair {
             max: distance.largest,
             max_lsb: distance.largest / self.lsb,
             max_n: in_newtons.map(|d| d.largest),
-            lsb_v: self.lsb,
+            lsb: self.lsb,
             correlation: distance.correlation,
             spectrum_distance: distance.spectrum,
             samples: pair.measured.values.len(),
             clipped: self.clipped,
         }
     }
+}
+
+/// A channel's trace in the unit of the comparison.
+struct ConvertedTrace {
+    trace: Trace,
+    /// One level of it (unit).
+    level: f64,
+    /// Whether its values are not those of the record.
+    was_converted: bool,
+}
+
+impl ConvertedTrace {
+    /// The trace of `capture` in `unit`: as it is, by the sensitivity of the force sensor (droop
+    /// undone), or by that of the scene's sensor of motion.
+    fn of((side, capture): (ComparedShot<'_>, &Capture), unit: &str) -> Option<Self> {
+        let trace = capture.trace()?;
+        let level = capture.waveform.preamble.y_mult.abs();
+        if trace.unit == unit {
+            return Some(Self { trace, level, was_converted: false });
+        }
+        if trace.unit != "V" {
+            return None;
+        }
+        if unit == "N" {
+            let found = forces(side.set, side.shot).into_iter().flatten();
+            let channel = capture.waveform.source.to_string();
+            let found = found.into_iter().find(|forces| forces.channel == channel)?;
+            let level = level / found.sensor.sensitivity?;
+            return Some(Self { trace: found.force, level, was_converted: true });
+        }
+        let Source::Channel(number) = capture.waveform.source else { return None };
+        let scene = scene_of(side)?;
+        let channel = scene.scope.channels.get(usize::from(number).checked_sub(1)?)?.as_ref()?;
+        let name = channel.input.as_ref()?;
+        let sensor = scene.motion_sensors.iter().find(|sensor| &sensor.name == name)?;
+        // Volts for one of `unit`.
+        let volts = match (sensor.kind.unit(), unit) {
+            ("m/s^2", "g") => sensor.sensitivity * STANDARD_GRAVITY,
+            ("1", "m/m") => sensor.sensitivity,
+            (own, wanted) if own == wanted => sensor.sensitivity,
+            _ => return None,
+        };
+        let values = trace.values.iter().map(|value| value / volts).collect();
+        let trace = Trace { values, unit: unit.to_owned(), ..trace };
+        Some(Self { trace, level: level / volts.abs(), was_converted: true })
+    }
+}
+
+/// Both captures in one unit: the measurement's if possible, else the simulation's.
+fn in_one_unit(
+    measured: (ComparedShot<'_>, &Capture),
+    simulated: (ComparedShot<'_>, &Capture),
+) -> Result<(String, [ConvertedTrace; 2]), CompareError> {
+    let unit = |side: (ComparedShot<'_>, &Capture)| side.1.waveform.preamble.y_unit.clone();
+    let units = [unit(measured), unit(simulated)];
+    let in_unit = |unit: &String| {
+        Some([ConvertedTrace::of(measured, unit)?, ConvertedTrace::of(simulated, unit)?])
+    };
+    if let Some(found) = units.iter().find_map(|unit| Some((unit.clone(), in_unit(unit)?))) {
+        return Ok(found);
+    }
+    let [unit, other] = units;
+    Err(CompareError::Units {
+        channel: measured.1.waveform.source.to_string(),
+        unit,
+        against: simulated.1.waveform.source.to_string(),
+        other,
+    })
 }
 
 /// Speeds between neighbouring sensors on both sides.

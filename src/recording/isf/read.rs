@@ -189,7 +189,15 @@ fn settings(
         inverted: None,
         probe: 1.0,
     };
-    let waveform = Waveform { source, codes, preamble, vertical, horizontal_scale, trigger_point };
+    let waveform = Waveform {
+        source,
+        codes,
+        as_read: Vec::new(),
+        preamble,
+        vertical,
+        horizontal_scale,
+        trigger_point,
+    };
     check_numbers(&waveform).map_err(|problem| words.unusable(problem))?;
     Ok(Capture { waveform, instrument: None, notes })
 }

@@ -79,6 +79,13 @@ pub fn capture(message: &message::CaptureMessage) -> Result<Capture, String> {
         format!("found source `{}`, expected CH1 to CH8, MATH or REFA to REFD", message.source)
     })?;
     let codes = levels(message)?;
+    let (values, points) = (message.values.len(), codes.len());
+    if values != 0 && values != points {
+        return Err(format!("found {values} values of {points} points, expected as many or none"));
+    }
+    if let Some(index) = message.values.iter().position(|value| !value.is_finite()) {
+        return Err(format!("found no finite number as value {index}, expected one"));
+    }
     let given = |number: Option<f64>| number.unwrap_or(0.0);
     let (x_zero, y_off, y_zero) =
         (given(message.t0_s), given(message.y_off), given(message.y_zero));
@@ -97,6 +104,7 @@ pub fn capture(message: &message::CaptureMessage) -> Result<Capture, String> {
         waveform: Waveform {
             source,
             codes,
+            as_read: message.values.clone(),
             preamble: Preamble {
                 x_zero,
                 x_incr: message.dt_s,

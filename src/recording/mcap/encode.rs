@@ -30,7 +30,7 @@ pub fn capture_message(shot: &Shot, capture: &Capture) -> message::CaptureMessag
         y_zero: Some(preamble.y_zero),
         unit: preamble.y_unit.clone(),
         codes,
-        volts: waveform.codes.iter().map(|code| waveform.volts_of(*code) as f32).collect(),
+        volts: waveform.values().map(|value| value as f32).collect(),
         origin: match shot.origin {
             Origin::Simulated => "simulated".to_owned(),
             Origin::Measured => "measured".to_owned(),
@@ -50,6 +50,7 @@ pub fn capture_message(shot: &Shot, capture: &Capture) -> message::CaptureMessag
         x_unit: preamble.x_unit.clone(),
         trigger_time_s: shot.trigger_time,
         notes: capture.notes.clone(),
+        values: waveform.as_read.clone(),
     }
 }
 

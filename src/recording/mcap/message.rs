@@ -92,6 +92,9 @@ pub struct CaptureMessage {
     /// Notes on guesses of the import, and on suspicious values.
     #[prost(string, repeated, tag = "27")]
     pub notes: Vec<String>,
+    /// The values as a file gives them, if the levels do not return them exactly (unit).
+    #[prost(double, repeated, tag = "28")]
+    pub values: Vec<f64>,
 }
 
 /// The front panel at a trigger.

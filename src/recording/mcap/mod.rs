@@ -14,6 +14,7 @@ mod read;
 mod schema;
 mod write;
 
+pub use container::MAGIC;
 pub use message::ShotNotes;
 pub use read::{IndexedRecording, ReadState, Traffic, read, read_bytes};
 pub use write::{RecordingWriter, write, write_numbered};

@@ -324,9 +324,33 @@ fn split(line: &str, separator: char) -> Vec<(&str, usize)> {
         // The mark of a remark stands apart from the first name.
         let is_mark =
             |(part, column): &(&str, usize)| *column == 1 && matches!(*part, "#" | "%" | ";");
-        return filled.filter(|cell| !is_mark(cell)).take(MAX_CELLS).collect();
+        let cells = filled.filter(|cell| !is_mark(cell)).take(MAX_CELLS).collect();
+        return with_units(line, cells);
     }
     fields.take(MAX_CELLS).collect()
+}
+
+/// The cells of `line` that blanks separate, with units in brackets joined to the names before
+/// them: `t [s] a [g]` are two.
+fn with_units<'a>(line: &'a str, cells: Vec<(&'a str, usize)>) -> Vec<(&'a str, usize)> {
+    let is_unit = |cell: &str| cell.starts_with(['(', '[']) && cell.ends_with([')', ']']);
+    if !cells.iter().skip(1).any(|(cell, _)| is_unit(cell)) {
+        return cells;
+    }
+    // Cells are parts of the line.
+    let place = |cell: &str| (cell.as_ptr() as usize).saturating_sub(line.as_ptr() as usize);
+    let mut joined: Vec<(&str, usize)> = Vec::with_capacity(cells.len());
+    for (cell, column) in cells {
+        let name =
+            joined.last_mut().filter(|(name, _)| is_unit(cell) && !name.ends_with([')', ']']));
+        match name {
+            Some((name, _)) => {
+                *name = line.get(place(name)..place(cell) + cell.len()).unwrap_or(name);
+            }
+            None => joined.push((cell, column)),
+        }
+    }
+    joined
 }
 
 /// A number and the unit behind it: `1.2V`, `400 mV`.
@@ -345,7 +369,9 @@ fn bare(cell: Option<&str>) -> &str {
 /// Reads a finite decimal number with its digits.
 fn printed(cell: &str, decimal_comma: bool) -> Option<PrintedNumber> {
     const LONGEST: usize = 40;
-    const LARGEST: i32 = 300;
+    // A double has exponents from -324, where its last digits are lost, to 308.
+    const EXPONENTS: std::ops::RangeInclusive<i32> = -350..=300;
+    const MOST_DECIMALS: i32 = 300;
     let allowed = |c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | 'e' | 'E' | '.' | ',');
     if cell.len() > LONGEST || !cell.chars().all(allowed) {
         return None;
@@ -358,11 +384,12 @@ fn printed(cell: &str, decimal_comma: bool) -> Option<PrintedNumber> {
     };
     let value = text.parse().ok().filter(|value: &f64| value.is_finite())?;
     let (mantissa, exponent) = text.split_once(['e', 'E']).unwrap_or((text.as_ref(), "0"));
-    let exponent: i32 = exponent.parse().ok().filter(|e| (-LARGEST..=LARGEST).contains(e))?;
+    let exponent: i32 = exponent.parse().ok().filter(|e| EXPONENTS.contains(e))?;
     let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
     let figures = || whole.chars().chain(fraction.chars()).filter(char::is_ascii_digit);
     let digits = i32::try_from(figures().skip_while(|c| *c == '0').count()).ok()?;
     let decimals = i32::try_from(fraction.len()).ok()?.checked_sub(exponent)?;
+    let decimals = decimals.min(MOST_DECIMALS);
     Some(PrintedNumber { value, decimals, digits })
 }
 
@@ -378,6 +405,7 @@ mod tests {
             ("2.50E+03", 2500.0, -1, 3),
             ("79.999998212E-3", 79.999_998_212e-3, 12, 11),
             ("0", 0.0, 0, 0),
+            ("5e-324", 5e-324, 300, 1),
         ] {
             assert_eq!(
                 printed(text, false),

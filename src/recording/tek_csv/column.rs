@@ -143,9 +143,8 @@ impl SampleColumn {
 
     /// Multiplies every number, as a unit such as `ms` wants it; `power` is that of ten.
     pub(super) fn scale(&mut self, power: i32) {
-        let factor = ten_to(power.abs());
         for value in &mut self.values {
-            *value = if power < 0 { *value / factor } else { *value * factor };
+            *value = shifted(*value, self.decimals, power);
         }
         self.decimals = self.decimals.saturating_sub(power);
     }
@@ -183,6 +182,11 @@ impl SampleColumn {
     pub(super) fn place(&self, index: usize) -> FileLocation {
         let (line, column) = self.spots.get(index).copied().unwrap_or_default();
         FileLocation { file: self.file.clone(), line: line as usize, column: column as usize }
+    }
+
+    /// The most digits that a number of the column has.
+    pub(super) fn digits(&self) -> i32 {
+        self.digits
     }
 
     /// Last place of the column's longest number.
@@ -234,6 +238,29 @@ impl SampleColumn {
         let fold = |f: fn(f64, f64) -> f64, start| self.values.iter().copied().fold(start, f);
         (fold(f64::min, f64::INFINITY), fold(f64::max, f64::NEG_INFINITY))
     }
+}
+
+/// The number that `value`, printed with up to `decimals` decimals, is with its decimal point
+/// `power` places to the right.
+fn shifted(value: f64, decimals: i32, power: i32) -> f64 {
+    // Whole numbers below this, and powers of ten up to this, are exact, and so is one rounding.
+    const EXACT: (f64, i32) = (4e15, 22);
+    let places = decimals.max(0);
+    if places <= EXACT.1 && (0..=EXACT.1).contains(&(places - power)) {
+        let whole = (value * ten_to(places)).round();
+        let is_whole =
+            whole.abs() < EXACT.0 && (whole / ten_to(places)).to_bits() == value.to_bits();
+        if is_whole {
+            return whole / ten_to(places - power);
+        }
+    }
+    let text = format!("{value:e}");
+    let parts = text.split_once('e');
+    let moved = parts.and_then(|(digits, exponent)| {
+        let exponent = exponent.parse::<i32>().ok()?.checked_add(power)?;
+        format!("{digits}e{exponent}").parse().ok()
+    });
+    moved.unwrap_or(value)
 }
 
 /// A power of ten, as a decimal literal would give it (1).

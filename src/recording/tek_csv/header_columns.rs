@@ -88,6 +88,7 @@ impl<'a> Block<'a, '_> {
         let mut draft = UnscaledImport {
             times,
             values,
+            are_levels: true,
             stated: StatedTimeBase {
                 interval: self.number(layout::SAMPLE_INTERVAL)?,
                 trigger_point: self.number(layout::TRIGGER_POINT)?,

@@ -42,9 +42,9 @@
 //! # What the reader allows
 //! [`read_all`] takes native files, and what `OpenChoice`, spreadsheets (`header_columns`), newer
 //! models, other makers and people save as tables (`table`, by `names` and `keys`). All of them
-//! bring rows to `unscaled_import`, where `times` finds the even spacing and `levels` the
-//! digitiser's levels. What is odd or guessed is written into the capture's notes; a native file as
-//! an instrument saved it has none.
+//! bring rows to `unscaled_import`, where `times` finds the even spacing, `levels` the digitiser's
+//! levels and `rails` the ends of its range. What is odd or guessed is written into the capture's
+//! notes; a native file as an instrument saved it has none.
 
 mod abscissa;
 mod cells;
@@ -55,6 +55,7 @@ mod keys;
 mod layout;
 mod levels;
 mod names;
+mod rails;
 mod read;
 mod table;
 mod table_layout;

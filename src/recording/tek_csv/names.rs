@@ -280,6 +280,14 @@ fn parted(cell: &str) -> (String, Option<String>) {
     if let Some((base, text)) = cell.rsplit_once(", ").filter(|(_, text)| unit(text).is_some()) {
         return with(base, text);
     }
+    // `CH1_m/s` and `CH2_g`, as this program writes them.
+    let is_own = |(base, text): &(&str, &str)| {
+        unit(text).is_some_and(|unit| !unit.has_factor())
+            && (text.contains('/') || channel(&lowered(base)).is_some())
+    };
+    if let Some((base, text)) = cell.rsplit_once('_').filter(is_own) {
+        return with(base, text);
+    }
     if let Some(parts) = behind_slash(cell) {
         return parts;
     }
@@ -592,6 +600,14 @@ mod tests {
             ("Dev1/ai0", none(), None),
             ("strain", ColumnRole::OtherQuantity, None),
             ("CH2[V]", channel(2), Some(("V", 0))),
+            ("CH1_m/m", channel(1), Some(("m/m", 0))),
+            ("CH2_m/s", channel(2), Some(("m/s", 0))),
+            ("CH3_m/s^2", channel(3), Some(("m/s^2", 0))),
+            ("CH4_g", channel(4), Some(("g", 0))),
+            ("CH1_bar", channel(1), Some(("bar", 0))),
+            ("CH1_m", channel(1), Some(("m", 0))),
+            ("CH1_A", channel(1), Some(("A", 0))),
+            ("MATH_W", ColumnRole::Values(Some(Source::Math)), Some(("W", 0))),
             ("C1 in V", channel(1), Some(("V", 0))),
             ("CH1V", channel(1), Some(("V", 0))),
             ("Channel 3 (V)", channel(3), Some(("V", 0))),

@@ -7,6 +7,7 @@
 use super::column::{SampleColumn, one_two_five, ten_to};
 use super::layout::PRINTING_ERROR;
 use super::levels::{LevelSource, ValueGrid};
+use super::rails::{FlatTop, flat_tops};
 use super::times::{EvenTimes, StatedTimeBase};
 use crate::quantity::engineering;
 use crate::recording::error::RecordingError;
@@ -46,6 +47,13 @@ pub(super) struct UnscaledImport {
     pub(super) notes: Vec<String>,
     /// Whether uneven times are resampled.
     pub(super) resample: bool,
+    /// Whether the values are printed levels of the family's digitiser, which its scale gives with
+    /// more digits.
+    pub(super) are_levels: bool,
+    /// Whether the values show the ends of the input's range.
+    pub(super) is_cut: bool,
+    /// Values that are taken as another one.
+    pub(super) strays: Vec<usize>,
 }
 
 /// The digitiser's side of a capture.
@@ -87,6 +95,7 @@ impl UnscaledImport {
         });
         let horizontal_scale = self.horizontal_scale(times.interval, unit);
         let codes = vertical.codes;
+        let as_read = self.as_read(&codes, (vertical.y_mult, vertical.y_off, vertical.y_zero));
         let preamble = Preamble {
             x_zero: (0.0 - times.trigger_point) * times.interval,
             x_incr: times.interval,
@@ -101,6 +110,7 @@ impl UnscaledImport {
         let waveform = Waveform {
             source,
             codes,
+            as_read,
             preamble,
             vertical: VerticalSetup {
                 scale: vertical.scale,
@@ -113,7 +123,7 @@ impl UnscaledImport {
             horizontal_scale,
             trigger_point: times.trigger_point,
         };
-        if self.zero.is_none() && waveform.clipped() > 0 {
+        if self.zero.is_none() && !self.is_cut && waveform.clipped() > 0 {
             self.notes.push(
                 "whether points are clipped is not sure: the vertical position is a guess"
                     .to_owned(),
@@ -161,7 +171,14 @@ impl UnscaledImport {
         self.note_evidence(&grid, stated, unit);
         self.note_strays(&grid, unit);
         let scale = stated.unwrap_or_else(|| self.guess_scale(&grid, unit));
-        let shift = self.shift(&grid, unit);
+        self.strays.clone_from(&grid.strays);
+        self.are_levels &= grid.evidence == LevelSource::Scale;
+        let cut = self.cut(&grid, unit);
+        if cut == [true, true] {
+            return self.between_ends(scale);
+        }
+        self.is_cut = cut.contains(&true);
+        let shift = if self.is_cut { shift_to_end(&grid, cut[0]) } else { self.shift(&grid, unit) };
         let zero_index = whole_if_near(grid.origin / grid.step);
         // The values are printed with fewer digits than the header's zero.
         let exact = |found: f64, stated: Option<f64>, tolerance: f64| {
@@ -190,6 +207,72 @@ impl UnscaledImport {
             zero => zero.unwrap_or_default() / scale,
         };
         Vertical { codes, y_mult: grid.step, y_off, y_zero, scale, position }
+    }
+
+    /// Whether the input's range ended at the largest and at the smallest value, if the file does
+    /// not give it; notes what is certain and what is not.
+    fn cut(&mut self, grid: &ValueGrid, unit: &str) -> [bool; 2] {
+        let is_envelope = self.point_format == Some(PointFormat::Envelope);
+        if self.zero.is_some() || is_envelope || unit == "dB" {
+            return [false; 2];
+        }
+        let (low, high) = self.values.range();
+        let level = match grid.evidence {
+            LevelSource::Rounded(_) => 2.0 * self.values.tolerance(low.abs().max(high.abs())),
+            _ => grid.step,
+        };
+        let tops = flat_tops(&self.values.values, level);
+        for (top, end) in tops.iter().zip(["highest", "lowest"]) {
+            let Some(FlatTop { value, samples, run, is_cut }) = top else { continue };
+            let value = engineering(*value, unit, 4);
+            self.notes.push(if *is_cut {
+                format!(
+                    "{samples} samples have the {end} value, {value}, up to {run} in a row between steep flanks: the input's range ended there, and they count as clipped"
+                )
+            } else {
+                format!(
+                    "the {end} value, {value}, occurs {run} times in a row between steep flanks: if the input's range ended there, the true values lie beyond"
+                )
+            });
+        }
+        tops.map(|top| top.is_some_and(|top| top.is_cut))
+    }
+
+    /// Values whose largest and smallest are the ends of the input's range: those of 16 bits.
+    fn between_ends(&mut self, scale: f64) -> Vertical {
+        const STEPS: f64 = 65_535.0;
+        self.is_cut = true;
+        let (low, high) = self.values.range();
+        let step = (high - low) / STEPS;
+        let y_off = f64::from(i16::MIN) - low / step;
+        let code = |value: &f64| (value / step + y_off).round() as i16;
+        let codes = self.values.values.iter().map(code).collect();
+        let position = self.zero.unwrap_or_default() / scale;
+        Vertical { codes, y_mult: step, y_off, y_zero: 0.0, scale, position }
+    }
+
+    /// The values as read, if those of the levels differ from them in more than round-off, or if
+    /// they have more digits than a table of levels is printed with.
+    fn as_read(&self, codes: &[i16], (y_mult, y_off, y_zero): (f64, f64, f64)) -> Vec<f64> {
+        const PRINTED_DIGITS: i32 = 12;
+        const ROUND_OFF: f64 = 1e-14;
+        let level = |code: &i16| (f64::from(*code) - y_off) * y_mult + y_zero;
+        let is_same =
+            |(code, value): (&i16, &f64)| (level(code) - value).abs() <= ROUND_OFF * value.abs();
+        let values = &self.values.values;
+        let are_exact =
+            || self.values.digits() <= PRINTED_DIGITS && codes.iter().zip(values).all(is_same);
+        if self.are_levels || are_exact() {
+            return Vec::new();
+        }
+        let mut values = values.clone();
+        let beyond = self.values.beyond.iter().map(|(place, _)| place);
+        for place in beyond.chain(&self.strays) {
+            if let Some((value, code)) = values.get_mut(*place).zip(codes.get(*place)) {
+                *value = level(code);
+            }
+        }
+        values
     }
 
     /// Values of which some are beyond the instrument's range: they have the ends of 16 bits, just
@@ -243,7 +326,7 @@ impl UnscaledImport {
                 "{instead}no levels of a digitiser show in the values: kept as printed, in steps of {step}"
             ),
             LevelSource::Rounded(error) => format!(
-                "{instead}no levels of a digitiser show in the values: kept in 16 bits, in steps of {step}, within {}",
+                "{instead}no levels of a digitiser show in the values: kept as read; in 16 bits (.isf) they are in steps of {step}, within {}",
                 engineering(error, unit, 2)
             ),
         };
@@ -301,7 +384,8 @@ impl UnscaledImport {
         let (low, high) = grid.range();
         let middle = i64::midpoint(low, high);
         if !grid.is_converter() {
-            return if fits::<i16>(low, high) { 0 } else { -middle };
+            // The ends of 16 bits stand for clipped samples.
+            return if fits::<i16>(low - 1, high + 1) { 0 } else { -middle };
         }
         let lowest = i64::from(LOWEST_CODE) - low;
         let highest = i64::from(HIGHEST_CODE) - high;
@@ -341,6 +425,16 @@ impl UnscaledImport {
         }
         shift
     }
+}
+
+/// Offset from an index to the level at which the largest (or smallest) value has the last level of
+/// the 8-bit converter, or of 16 bits where 8 do not hold all.
+fn shift_to_end(grid: &ValueGrid, is_high: bool) -> i64 {
+    let (low, high) = grid.range();
+    let is_narrow =
+        grid.is_converter() && high - low <= i64::from(HIGHEST_CODE) - i64::from(LOWEST_CODE);
+    let ends = if is_narrow { (LOWEST_CODE, HIGHEST_CODE) } else { (i16::MIN, i16::MAX) };
+    if is_high { i64::from(ends.1) - high } else { i64::from(ends.0) - low }
 }
 
 fn fits<T: TryFrom<i64>>(low: i64, high: i64) -> bool {

@@ -328,6 +328,7 @@ fn receive(context: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Defe
     let waveform = Waveform {
         source: transfer.destination,
         codes: all,
+        as_read: Vec::new(),
         preamble: Preamble {
             x_zero: incoming.x_zero,
             x_incr: incoming.x_incr,

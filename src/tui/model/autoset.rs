@@ -30,9 +30,9 @@ fn rounded(value: f64, step: f64) -> f64 {
 /// Lowest and highest value between two abscissae, of all values where none is between them (unit).
 fn range(waveform: &Waveform, window: ViewWindow) -> (f64, f64) {
     let span = |inside: &dyn Fn(f64) -> bool| {
-        let codes = waveform.codes.iter().enumerate();
-        let values = codes.filter(|(index, _)| inside(waveform.time(*index)));
-        let values = values.map(|(_, code)| waveform.volts_of(*code));
+        let values = waveform.values().enumerate();
+        let values = values.filter(|(index, _)| inside(waveform.time(*index)));
+        let values = values.map(|(_, value)| value);
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
             (low.min(value), high.max(value))
         })

@@ -225,7 +225,7 @@ const EDGE_SHARE: f64 = 0.5;
 
 /// Abscissae of all peaks and edges, in order (s; Hz for an FFT).
 pub fn features(waveform: &Waveform) -> Vec<f64> {
-    let values: Vec<f64> = waveform.codes.iter().map(|code| waveform.volts_of(*code)).collect();
+    let values: Vec<f64> = waveform.values().collect();
     let mut sorted = values.clone();
     sorted.sort_by(f64::total_cmp);
     let Some(base) = sorted.get(sorted.len() / 2).copied() else { return Vec::new() };

@@ -23,7 +23,7 @@ fn as_record(volts: &Capture, forces: &Forces) -> Capture {
     (preamble.y_mult, preamble.y_off, preamble.y_zero) = (level, 0.0, 0.0);
     "N".clone_into(&mut preamble.y_unit);
     let vertical = VerticalSetup { scale, ..recorded.vertical };
-    let waveform = Waveform { codes, preamble, vertical, ..recorded.clone() };
+    let waveform = Waveform { codes, as_read: Vec::new(), preamble, vertical, ..recorded.clone() };
     Capture { waveform, ..volts.clone() }
 }
 

@@ -246,9 +246,14 @@ fn traces(
     };
     let (low, high) = range([&pair.measured, &pair.simulated].into_iter());
     let grid = colour(model.palette(), Color::DarkGray);
-    let mut sheet =
-        Diagram::new(area, times(&pair.measured), DiagramAxis::linear(low, high, "V"), grid);
-    let band = model.jobs.bands.iter().find(|band| band.channel == score.against);
+    let mut sheet = Diagram::new(
+        area,
+        times(&pair.measured),
+        DiagramAxis::linear(low, high, &score.unit),
+        grid,
+    );
+    let band =
+        model.jobs.bands.iter().find(|band| score.unit == "V" && band.channel == score.against);
     for edge in band.into_iter().flat_map(|band| [&band.low_v, &band.high_v].map(|v| (band, v))) {
         let (band, values) = edge;
         let at = |index: usize| band.start_s + score.shift_s + index as f64 * band.interval_s;
@@ -278,7 +283,8 @@ fn difference(
     let residual = pair.residual();
     let (low, high) = range(std::iter::once(&residual));
     let grid = colour(model.palette(), Color::DarkGray);
-    let mut sheet = Diagram::new(area, times(&residual), DiagramAxis::linear(low, high, "V"), grid);
+    let mut sheet =
+        Diagram::new(area, times(&residual), DiagramAxis::linear(low, high, &score.unit), grid);
     sheet.level(0.0, colour(model.palette(), Color::Gray));
     sheet.line(points(&residual), colour(model.palette(), Color::LightRed));
     sheet.draw(colour(model.palette(), Color::Gray), frame);
@@ -286,9 +292,9 @@ fn difference(
         score.rms_n.map_or_else(String::new, |rms| format!(" = {}", compact(rms, "N", 3)));
     let text = format!(
         "difference: rms {} = {:.2} LSB{newtons}, largest {} = {:.1} LSB",
-        compact(score.rms, "V", 3),
+        compact(score.rms, &score.unit, 3),
         score.rms_lsb,
-        compact(score.max, "V", 3),
+        compact(score.max, &score.unit, 3),
         score.max_lsb
     );
     sheet.write((residual.start, high), &text, Style::new(), frame);
@@ -309,7 +315,7 @@ fn row(score: &ChannelScore) -> String {
         score.gain.value,
         percent(score.peak_error),
         arrival,
-        compact(score.rms, "V", 3),
+        compact(score.rms, &score.unit, 3),
         score.rms_lsb,
         force,
         score.correlation.unwrap_or(f64::NAN),

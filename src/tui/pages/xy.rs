@@ -30,7 +30,7 @@ pub const PAGE: Page = Page(&PageSpec {
 
 /// Lowest and highest value with a little room (unit).
 fn range(waveform: &Waveform) -> (f64, f64) {
-    let values = waveform.codes.iter().map(|code| waveform.volts_of(*code));
+    let values = waveform.values();
     let (low, high) =
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
     if low < high { (low - 0.05 * (high - low), high + 0.05 * (high - low)) } else { (-1.0, 1.0) }
@@ -65,7 +65,7 @@ fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
         DiagramAxis::linear(low, high, ordinate_unit(y)),
     );
     let mut sheet = Diagram::new(below, axes.0, axes.1, grid);
-    let points = x.codes.iter().zip(&y.codes).map(|(a, b)| (x.volts_of(*a), y.volts_of(*b)));
+    let points = x.values().zip(y.values());
     sheet.line(points, colour_of(palette, y.source));
     sheet.draw(colour(palette, Color::Gray), frame);
     let head = format!("XY: {} upward, {} to the right", y.source, x.source);

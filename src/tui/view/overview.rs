@@ -52,9 +52,7 @@ fn projection(waveform: &Waveform, strip: Rect) -> Projection {
     let (start, end) = extent(waveform);
     let columns = strip.width * 2;
     let rows = strip.height * 4;
-    let lowest = waveform.codes.iter().min().copied().unwrap_or(0);
-    let highest = waveform.codes.iter().max().copied().unwrap_or(0);
-    let (one, other) = (waveform.volts_of(lowest), waveform.volts_of(highest));
+    let [one, other] = waveform.extremes().unwrap_or([waveform.volts_of(0); 2]);
     let (bottom, top) = (one.min(other), one.max(other));
     let last_row = f64::from(rows) - 1.0;
     let (y_density, zero) = if top > bottom {

@@ -80,7 +80,9 @@ fn arrivals(model: &ScreenState, survey: &Survey, lines: &mut Vec<Line<'static>>
     if let Some(channel) = survey.channels.iter().find(|c| Some(&c.channel) == name.as_ref()) {
         let half = channel.arrivals.iter().find(|a| a.estimator == "half_rise");
         lines.extend(half.and_then(|a| a.time_s).map(|t| pair("arrival", &with_u(t, "s"))));
-        lines.extend(channel.height_n.map(|force| pair("1st peak", &with_u(force, "N"))));
+        let own = channel.height.map(|height| (height, channel.unit.as_str()));
+        let height = channel.height_n.map(|force| (force, "N")).or(own);
+        lines.extend(height.map(|(height, unit)| pair("1st peak", &with_u(height, unit))));
     }
     let half = |speed: &&SpeedBetween| speed.estimator == "half_rise";
     let speeds: Vec<&SpeedBetween> = survey.speeds.iter().filter(half).collect();

@@ -55,9 +55,8 @@ fn column(x: f64) -> i64 {
 pub(in crate::tui) fn spans(waveform: &Waveform, projection: &Projection) -> Vec<Span> {
     let incr = waveform.preamble.x_incr;
     let seen = seen(waveform.time(0), incr, waveform.codes.len(), projection);
-    let point = |(index, code): (usize, &i16)| (waveform.time(index), waveform.volts_of(*code));
-    let codes = waveform.codes.iter().enumerate().take(seen.end).skip(seen.start);
-    joined(codes.map(point), projection)
+    let point = |index: usize| Some((waveform.time(index), waveform.volts(index)?));
+    joined((seen.start..seen.end).filter_map(point), projection)
 }
 
 /// The same for a signal that passed no digitiser.
@@ -170,6 +169,7 @@ mod tests {
         Waveform {
             source: Source::Channel(1),
             codes,
+            as_read: Vec::new(),
             preamble: Preamble {
                 x_zero: 0.0,
                 x_incr,

@@ -38,6 +38,7 @@ fn native(channel: u8, start: f64, height: f64, (scale, position): (f64, f64)) -
         waveform: Waveform {
             source: Source::Channel(channel),
             codes: (0..2500).map(|index| level(index) as i16).collect(),
+            as_read: Vec::new(),
             preamble: Preamble {
                 x_zero: -250.0 * interval,
                 x_incr: interval,
@@ -307,7 +308,8 @@ fn a_force_trace_is_no_voltage() {
     assert!(channel["height_v"].is_null(), "{channel}");
     assert!((number(&channel["height_n"]["value"]) - 24.0).abs() < 0.1, "{channel}");
     says(&printed(path, &["force", "hammer.csv"]), &["24.0", "N"]);
-    says(&refused(path, &["compare", "hammer.csv", "magnet-0.61g"]), &["hammer.csv", "volts"]);
+    let fit = ["fit", "hammer.csv", "magnet-0.61g", "--free", "striker.speed"];
+    says(&refused(path, &fit), &["CH1", "in N", "volts"]);
 }
 
 #[test]

@@ -15,6 +15,7 @@ fn channel(number: u8, scale: f64, position_levels: i16) -> Capture {
         waveform: Waveform {
             source: Source::Channel(number),
             codes: (-128..=127).cycle().take(2500).collect(),
+            as_read: Vec::new(),
             preamble: Preamble {
                 x_zero: -1250.0 * interval,
                 x_incr: interval,

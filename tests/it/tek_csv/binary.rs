@@ -247,8 +247,8 @@ fn cases() -> Vec<Case> {
 #[test]
 fn binary_files_are_read_by_their_contents() {
     let folder = tempfile::tempdir().expect("a folder");
-    for (name, bytes, channels) in cases() {
-        for name in [name, "renamed.csv"] {
+    for (case, bytes, channels) in cases() {
+        for name in [case, "renamed.csv"] {
             let set = read(folder.path(), name, &bytes).unwrap_or_else(|e| panic!("{name}: {e}"));
             let captures = &set.shots[0].captures;
             assert_eq!(captures.len(), channels.len(), "{name}");
@@ -262,6 +262,9 @@ fn binary_files_are_read_by_their_contents() {
                     if name.ends_with("wav") { (0.0, 1.0 / 48e3) } else { (START, INTERVAL) };
                 for (i, expected) in truth.iter().enumerate() {
                     let expected = f64::from(*expected) * level + offset;
+                    // A double that holds a number of 32 bits has that number's value.
+                    let is_narrow = case == "fields.npy" && *source == "CH2";
+                    let expected = if is_narrow { f64::from(expected as f32) } else { expected };
                     let found = waveform.volts(i).expect("a value");
                     assert!(
                         (found - expected).abs() < 1e-6 * level,

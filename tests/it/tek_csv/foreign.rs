@@ -173,7 +173,10 @@ fn newer_models_with_more_bits_are_not_forced_into_eight() {
     let cells = volts.iter().map(|v| six_digits(*v)).collect();
     let found = one(&newer(&[0.199], &[cells]));
     let (step, note) = (found.waveform.preamble.y_mult, &found.notes[0]);
-    assert!(note.contains("kept in 16 bits, in steps of 50.00 µV, within 25 µV"), "{note}");
+    assert!(
+        note.contains("in 16 bits (.isf) they are in steps of 50.00 µV, within 25 µV"),
+        "{note}"
+    );
     assert_eq!(step, 5e-5);
     for (index, volts) in volts.iter().enumerate() {
         let kept = found.waveform.volts(index).expect("inside");

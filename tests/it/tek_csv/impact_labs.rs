@@ -139,6 +139,18 @@ fn units_of_impact_labs_are_read_wherever_they_stand() {
     }
 }
 
+/// As `numpy.savetxt` writes a header and three columns by default.
+#[test]
+fn units_in_brackets_belong_to_the_names_before_them() {
+    let head = "# t [us]  a [g]  eps [um/m]\n";
+    let body = rows(|n| format!("{:.18e} {:.18e} {:.18e}", n as f64, V[n], W[n]));
+    let found = found(&format!("{head}{body}"));
+    is(&found[0], CH1, MICRO, &V);
+    is(&found[1], CH2, MICRO, &W.map(|value| value * 1e-6));
+    let units: Vec<&str> = found.iter().map(|c| c.waveform.preamble.y_unit.as_str()).collect();
+    assert_eq!(units, ["g", "m/m"]);
+}
+
 #[test]
 fn unknown_units_are_never_volts() {
     for text in [

@@ -34,6 +34,7 @@ pub(super) fn record(setup: &Setup, codes: Vec<i16>) -> Capture {
         waveform: Waveform {
             source: Source::Channel(1),
             codes,
+            as_read: Vec::new(),
             preamble: Preamble {
                 x_zero: -setup.trigger_point * setup.interval,
                 x_incr: setup.interval,

@@ -23,6 +23,7 @@ pub fn channel(number: u8, scale: f64, position: f64, volts: impl Fn(f64) -> f64
         waveform: Waveform {
             source: Source::Channel(number),
             codes,
+            as_read: Vec::new(),
             preamble: Preamble {
                 x_zero: -250e-6,
                 x_incr: 1e-6,
