@@ -49,7 +49,7 @@ const ANSWERS: &[(&[&str], &str)] = &[
         "there is none: contacts that yield are perfectly plastic",
     ),
     (
-        &["keep", "indentation", "indentations", "memory", "history"],
+        &["keep", "indentation", "indentations"],
         "[effects.plasticity] keep_indentations = true keeps indentations from shot to shot",
     ),
     (

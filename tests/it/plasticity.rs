@@ -182,7 +182,7 @@ fn an_indented_chain_rests_under_its_preload() {
         let indented = chain.with_indentations(&bench.indentations());
         let mut deeper = 0;
         for (new, old) in chain.contacts().iter().zip(indented.contacts()).skip(1) {
-            assert_eq!(new.static_force, old.static_force);
+            assert_eq!(new.static_force.to_bits(), old.static_force.to_bits());
             // The force at rest, from the law and what it remembers.
             let law = old.plastic.expect("a law");
             let force = if old.static_largest() > old.static_overlap {
@@ -450,8 +450,8 @@ fn auto_decides_by_the_yield_load() {
     assert!(run(1e7, "auto").summary.effects.contains(&"plasticity".to_owned()));
 }
 
-/// Shots of a scene that keeps indentations: its second is not its first, the deeper ones say how
-/// many contacts are indented; without the key all shots are alike. The JSON of both is compared.
+/// The second shot of a scene that keeps indentations loses less than the first, and says that its
+/// contacts are indented; without the key all shots are alike.
 #[test]
 fn shots_keep_indentations_where_the_scene_wants_it() {
     let shots = |keeps: bool| {
@@ -475,7 +475,7 @@ fn shots_keep_indentations_where_the_scene_wants_it() {
     // Less is lost on the way, so more arrives.
     assert!(peak(&kept[1]) > 1.05 * peak(&kept[0]));
     let new = shots(false);
-    assert_eq!(peak(&new[0]), peak(&kept[0]));
-    assert_eq!(peak(&new[1]), peak(&new[0]));
+    assert_eq!(peak(&new[0]).to_bits(), peak(&kept[0]).to_bits());
+    assert_eq!(peak(&new[1]).to_bits(), peak(&new[0]).to_bits());
     assert!(!is_noted(&new[1]));
 }

@@ -160,7 +160,7 @@ fn a_cradle_without_scope_tells_its_velocities() {
 /// The ledger in a recording closes: work of the drive, losses by each kind and energies by kind.
 #[test]
 fn the_ledger_in_a_recording_has_drive_rod_and_yielding() {
-    let text = "base = \"driven-dimer\"\nduration = \"1 ms\"\nmaterials.ptfe.yield_strength = \"15 MPa\"\nchain.bottom = { rod = \"stainless_steel\", diameter = \"4.76 mm\" }\ndrive.displacement = \"2 um\"\neffects.plasticity = { model = \"thornton\" }\n";
+    let text = "base = \"driven-dimer\"\nduration = \"1 ms\"\nmaterials.ptfe.yield_strength = \"15 MPa\"\nchain.bottom = { rod = \"stainless_steel\", diameter = \"4.76 mm\" }\ndrive.stack.stroke = \"2 um\"\neffects.plasticity = { model = \"thornton\" }\n";
     let scene = Scene::from_text("ledger", "ledger.toml", text);
     let scene = scene.unwrap_or_else(|error| panic!("{error}"));
     let outcome = run_to_accuracy(&scene, 1e-7, 1, &mut |_| ()).expect("a run");
