@@ -205,9 +205,9 @@ fn modes(masses: &[f64], stiffness: f64) -> (Vec<f64>, Vec<Vec<f64>>) {
                 };
                 a.iter_mut().for_each(turn);
                 v.iter_mut().for_each(turn);
-                for k in 0..n {
-                    let (above, below) = (a[p][k], a[q][k]);
-                    (a[p][k], a[q][k]) = (c * above - s * below, s * above + c * below);
+                let (upper, lower) = a.split_at_mut(q);
+                for (above, below) in upper[p].iter_mut().zip(&mut lower[0]) {
+                    (*above, *below) = (c * *above - s * *below, s * *above + c * *below);
                 }
             }
         }
