@@ -241,7 +241,7 @@ fn run_scene(
     scene.seed = seed.unwrap_or(scene.seed);
     let accuracy = accuracy.unwrap_or(scene.accuracy);
     let integration = Integration::Accuracy(accuracy);
-    let scene = resolve_auto_effects(&scene, integration);
+    let mut scene = resolve_auto_effects(&scene, integration).into_owned();
     let mut go_on = |_| {
         if stop.load(Ordering::Relaxed) {
             resume_unwind(Box::new(Stopped));
@@ -251,6 +251,7 @@ fn run_scene(
     for number in 1..=shots {
         let outcome = run_to_accuracy(&scene, accuracy, number, &mut go_on)?;
         summaries.push(to_json(&outcome.summary)?);
+        scene.keep_indentations(&outcome.indentations);
         outcomes.push(outcome);
     }
     let set = facts::recording(&scene, integration, outcomes)?;

@@ -55,6 +55,8 @@ pub struct Contact {
     pub yield_force: Option<f64>,
     /// How it yields; none where it is elastic whatever the force.
     pub plastic: Option<YieldLaw>,
+    /// Largest overlap beyond first yield in earlier shots; 0 if it is new (m).
+    pub indented: f64,
     /// Of a spring in series with the contact, a piezo stack's; 0 without one (m/N).
     pub compliance: f64,
 }
@@ -69,6 +71,7 @@ impl Contact {
         loss: None,
         yield_force: None,
         plastic: None,
+        indented: 0.0,
         compliance: 0.0,
     };
 
@@ -192,10 +195,38 @@ impl Contact {
         }
     }
 
-    /// Largest overlap beyond first yield at rest; 0 where it has not yielded (m).
-    pub(super) fn static_largest(&self) -> f64 {
+    /// Largest overlap beyond first yield up to rest; 0 where it has not yielded (m).
+    pub fn static_largest(&self) -> f64 {
         let has_yielded = |law: &YieldLaw| self.static_overlap > law.first_overlap();
-        if self.plastic.as_ref().is_some_and(has_yielded) { self.static_overlap } else { 0.0 }
+        let own =
+            if self.plastic.as_ref().is_some_and(has_yielded) { self.static_overlap } else { 0.0 };
+        own.max(self.indented)
+    }
+
+    /// The contact at rest under the same force, after the overlap `largest` (m).
+    pub(super) fn after(self, largest: f64) -> Self {
+        let Some(law) = self.plastic else { return self };
+        let new = law.overlap_of(self.static_force);
+        if largest <= new.max(law.first_overlap()) {
+            return Self { indented: 0.0, static_overlap: new, ..self };
+        }
+        let static_overlap = law.unloading(largest).overlap_of(self.static_force);
+        Self { indented: largest, static_overlap, ..self }
+    }
+
+    /// Slope of the force against the overlap where bodies at rest begin to come closer (N/m).
+    pub(super) fn starting_slope(&self) -> f64 {
+        let largest = self.static_largest();
+        if largest > 0.0 {
+            self.force_change_after(0.0, largest).1
+        } else {
+            self.tangent_stiffness(0.0)
+        }
+    }
+
+    /// How far the bodies are from parting at rest, less what an indentation has taken (m).
+    pub fn static_travel(&self) -> f64 {
+        self.static_approach() - self.residual_overlap(self.static_largest())
     }
 
     /// Overlap that remains without force after the overlap `largest` (m) (m).

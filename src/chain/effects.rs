@@ -370,11 +370,14 @@ impl EffectsSpec {
             all.push(("magnet_law", words.to_owned()));
         }
         all.extend(self.magnet_preload.as_ref().map(|m| ("magnet_preload", m.summary())));
-        if let Some(Plasticity { model }) = self.plasticity {
-            let words = match model {
+        if let Some(Plasticity { model, keeps_indentations }) = self.plasticity {
+            let mut words = match model {
                 PlasticModel::Thornton => "thornton: contacts yield".to_owned(),
                 PlasticModel::WaltonBraun(e) => format!("walton_braun, restitution {e}"),
             };
+            if keeps_indentations {
+                words.push_str(", indentations stay from shot to shot");
+            }
             all.push(("plasticity", words));
         }
         for (support, end) in self.supports.iter().zip(["top", "bottom"]) {

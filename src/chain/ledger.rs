@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::stability::overlap_with_neighbour;
-use super::{ACCOUNTS, Chain, Energy, LOSS_MODELS, State, Support};
+use super::{ACCOUNTS, Chain, Contact, Energy, Indentations, LOSS_MODELS, State, Support};
 
 /// Energy taken by the losses of a run.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
@@ -115,6 +115,34 @@ impl Chain {
         if overlap > law.first_overlap() { kept.max(overlap) } else { kept }
     }
 
+    /// Indentations that its contacts have in `state`.
+    pub fn indentations(&self, state: &State) -> Indentations {
+        let left = |(j, contact): (usize, &Contact)| {
+            contact.plastic.map(|law| (law, self.largest_overlap_of(state, j)))
+        };
+        Indentations(self.contacts.iter().enumerate().map(left).collect())
+    }
+
+    /// Indentations that its contacts have at rest.
+    pub fn indentations_at_rest(&self) -> Indentations {
+        let at_rest =
+            |contact: &Contact| contact.plastic.map(|law| (law, contact.static_largest()));
+        Indentations(self.contacts.iter().map(at_rest).collect())
+    }
+
+    /// The chain at rest, its contacts indented; those that have another law than `indentations`
+    /// say, of other bodies, are new.
+    pub fn with_indentations(&self, indentations: &Indentations) -> Self {
+        let is_same = indentations.0.len() == self.contacts.len();
+        let after = |(j, contact): (usize, &Contact)| {
+            let left = indentations.0.get(j).copied().flatten().filter(|_| is_same);
+            let left = left.filter(|(law, _)| contact.plastic.as_ref() == Some(law));
+            contact.after(left.map_or(0.0, |(_, largest)| largest))
+        };
+        let contacts = self.contacts.iter().enumerate().map(after).collect();
+        Self { contacts, ..self.clone() }
+    }
+
     /// Elastic energy of contact `j` in `state` (J).
     pub(super) fn contact_energy(&self, state: &State, j: usize) -> f64 {
         let Some(contact) = self.contacts.get(j) else { return 0.0 };
@@ -182,7 +210,7 @@ impl Chain {
         let kept = accounts.get(ACCOUNTS - 1).map_or(0.0, |value| value / unit);
         let mut losses: Vec<LossEntry> = losses.collect();
         if places.plastic.is_some() {
-            let lost = |(j, contact): (usize, &super::Contact)| {
+            let lost = |(j, contact): (usize, &Contact)| {
                 contact.plastic.map_or(0.0, |law| {
                     law.lost(self.largest_overlap_of(state, j)) - law.lost(contact.static_largest())
                 })

@@ -44,7 +44,7 @@ pub(crate) use ledger::into_chain;
 pub use ledger::{Accounts, Dissipated, EndAccounts};
 pub use loss::{ACCOUNTS, ContactLoss, EndOfContact};
 pub use magnet::{ChainMagnet, Pull};
-pub use plasticity::{PlasticModel, Plasticity, Unloading, YieldLaw};
+pub use plasticity::{Indentations, PlasticModel, Plasticity, Unloading, YieldLaw};
 pub use probe::ForceProbe;
 pub use restitution::Restitution;
 pub use stability::StabilityLimit;

@@ -31,7 +31,21 @@ pub enum PlasticModel {
 pub struct Plasticity {
     /// The law.
     pub model: PlasticModel,
+    /// Whether a shot starts with the indentations that the shots before it have left.
+    pub keeps_indentations: bool,
 }
+
+impl Plasticity {
+    /// The law, with new contacts in every shot.
+    pub fn new(model: PlasticModel) -> Self {
+        Self { model, keeps_indentations: false }
+    }
+}
+
+/// Indentations that a shot has left: law and largest overlap beyond first yield (m) of each
+/// contact, none of those that stay elastic.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Indentations(pub(super) Vec<Option<(YieldLaw, f64)>>);
 
 /// The plastic law of one contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,6 +88,16 @@ impl Unloading {
         }
     }
 
+    /// Overlap under which it bears `force` (N) (m).
+    pub fn overlap_of(&self, force: f64) -> f64 {
+        let beyond = if self.is_linear {
+            force / self.stiffness
+        } else {
+            hertz::overlap(self.stiffness, force)
+        };
+        self.residual + beyond
+    }
+
     /// Elastic energy at `overlap` (m) (J).
     fn energy(&self, overlap: f64) -> f64 {
         let beyond = (overlap - self.residual).max(0.0);
@@ -89,7 +113,7 @@ impl YieldLaw {
     /// The law of a contact of stiffness `A` (N/m^1.5), reduced modulus (Pa) and reduced radius (m)
     /// whose softer body yields at a `pressure` (Pa).
     pub fn new(
-        Plasticity { model }: Plasticity,
+        model: PlasticModel,
         stiffness: f64,
         (reduced_modulus, reduced_radius): (f64, f64),
         pressure: f64,
@@ -176,7 +200,7 @@ mod tests {
     fn law(model: PlasticModel) -> YieldLaw {
         // A steel sphere of 10 mm on a flat: E* = 110 GPa, R* = 5 mm, p = 1.6 GPa.
         let stiffness = 4.0 / 3.0 * 110e9 * 5e-3_f64.sqrt();
-        YieldLaw::new(Plasticity { model }, stiffness, (110e9, 5e-3), 1.6e9)
+        YieldLaw::new(model, stiffness, (110e9, 5e-3), 1.6e9)
     }
 
     /// `F_y = pi^3 p^3 R^2/(6 E*^2)`, Johnson's Eq. (6.9); the force and its slope go on from

@@ -139,7 +139,7 @@ impl ForceProbe {
             [here.checked_sub(1), Some(here), Some(here + 1)].map(|b| velocity(b).unwrap_or(0.0));
         let terms = self.contacts().into_iter().zip(self.weights());
         let terms = terms.zip([above - here, here - below]);
-        terms.map(|((c, weight), closing)| weight * c.tangent_stiffness(0.0) * closing).sum()
+        terms.map(|((c, weight), closing)| weight * c.starting_slope() * closing).sum()
     }
 
     /// Whether a contact it feels has a loss: its force may then jump.

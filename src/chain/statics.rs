@@ -91,7 +91,7 @@ pub fn contact(
     let yields = spec.effects.plasticity.zip(softest).filter(|_| compliance == 0.0);
     let plastic = yields.map(|(plasticity, strength)| {
         let pressure = hertz::YIELD_PRESSURE_FACTOR * strength;
-        YieldLaw::new(plasticity, stiffness, (reduced_modulus, radius), pressure)
+        YieldLaw::new(plasticity.model, stiffness, (reduced_modulus, radius), pressure)
     });
     let yield_force = yield_force.filter(|_| measured.is_none());
     let static_force = bears;

@@ -5,6 +5,7 @@ use anyhow::bail;
 use clap::Args;
 
 use crate::scene::help::annotated;
+use crate::scene::vocabulary;
 
 /// Explain a command, or print a scene (`help scene`), a calibration plan (`help plan`), a
 /// laboratory (`help lab`) or a sweep (`help grid`) with every key, unit and default
@@ -25,6 +26,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
                 return super::print_toml(page.trim_end());
             }
             let Some(found) = command.find_subcommand_mut(topic) else {
+                if let Some(answer) = vocabulary::answer(topic) {
+                    bail!("no help on `{topic}`: {answer}");
+                }
                 let names: Vec<&str> =
                     command.get_subcommands().map(clap::Command::get_name).collect();
                 bail!(

@@ -67,7 +67,10 @@ fn description(kind: Kind, text: &str) -> String {
             ("density", "density"),
             ("yield_strength", "yields at"),
         ];
-        let known = keys.iter().filter_map(|(key, short)| Some(format!("{short} {}", value(key)?)));
+        let known = keys.iter().filter_map(|(key, short)| match value(key) {
+            Some(value) => Some(format!("{short} {value}")),
+            None => (*key == "yield_strength").then(|| "yield strength unknown".to_owned()),
+        });
         return known.collect::<Vec<_>>().join(", ");
     }
     value("title").or_else(comment).or_else(|| value("source")).unwrap_or_default()

@@ -94,7 +94,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     arguments.plot.check()?;
     let integration = integration(arguments, &scene)?;
     // Before the recording's metadata are made.
-    let scene = resolve_auto_effects(&scene, integration);
+    let mut scene = resolve_auto_effects(&scene, integration).into_owned();
     let known = facts::facts(&scene, integration)?;
     let attachments = facts::scene_attachments(&scene);
     // Before the work, so that a folder that cannot be written to costs no simulation.
@@ -123,6 +123,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         if arguments.shots > 1 {
             surveys.push(survey(&set, &outcome.shot));
         }
+        scene.keep_indentations(&outcome.indentations);
         summaries.push(outcome.summary);
         first.get_or_insert(outcome.shot);
     }

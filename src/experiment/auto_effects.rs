@@ -57,7 +57,7 @@ pub fn resolve_auto_effects(scene: &Scene, integration: Integration) -> Cow<'_, 
     if settled.spec != scene.spec
         && let Ok(chain) = Chain::new(&settled.spec)
     {
-        settled.chain = chain;
+        settled.chain = chain.with_indentations(&scene.chain.indentations_at_rest());
     }
     Cow::Owned(settled)
 }
@@ -67,7 +67,7 @@ fn describe_decision(name: &str, change: f64, limit: f64) -> String {
     if name == "plasticity" && change == 0.0 {
         "plasticity is off: no contact can reach the force at which it yields".to_owned()
     } else if name == "plasticity" {
-        "plasticity is on: a contact may reach the force at which it yields".to_owned()
+        "plasticity is on: a contact may reach the force at which it yields, or has".to_owned()
     } else if change.is_infinite() {
         format!("{name} is on: its change has no known upper bound")
     } else if change < limit {
@@ -124,7 +124,8 @@ fn by_gravity(scene: &Scene) -> f64 {
 /// otherwise (1).
 fn by_plasticity(scene: &Scene) -> f64 {
     let chain = &scene.chain;
-    if chain.has_moving_walls() || chain.pull().is_some() {
+    let is_indented = chain.contacts().iter().any(|contact| contact.indented > 0.0);
+    if is_indented || chain.has_moving_walls() || chain.pull().is_some() {
         return f64::INFINITY;
     }
     let energy = chain.energy(&chain.initial_state(&scene.initial_velocities));

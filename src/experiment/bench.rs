@@ -1,7 +1,7 @@
 //! The chain in motion with everything that watches it: pulses, scope samples, truth.
 
 use crate::chain::State;
-use crate::chain::{Chain, Dissipated, Energy, ForceProbe};
+use crate::chain::{Chain, Dissipated, Energy, ForceProbe, Indentations};
 use crate::motion::ChainSystem;
 use crate::motion::kernel::{InstructionSet, VectorStepper};
 use crate::motion::probe_step::ProbeTracker;
@@ -248,6 +248,11 @@ impl<'a> Bench<'a> {
     /// Energy dissipated so far.
     pub fn dissipated(&self) -> Dissipated {
         self.chain.dissipated(&self.engine.integrator().state(), &self.initial_velocities)
+    }
+
+    /// Indentations that the contacts have so far.
+    pub fn indentations(&self) -> Indentations {
+        self.chain.indentations(&self.state())
     }
 
     /// The present time (s).

@@ -57,7 +57,10 @@ impl Extremes {
     pub fn forces(&self, chain: &Chain) -> Vec<f64> {
         let both = self.changes.iter().zip(&self.lossy_forces);
         let force = |(contact, (change, lossy)): (&Contact, (&f64, &f64))| match contact.loss {
-            None => contact.static_force + contact.force_change_after(*change, 0.0).0,
+            None => {
+                let before = contact.static_largest();
+                contact.static_force + contact.force_change_after(*change, before).0
+            }
             Some(_) => *lossy,
         };
         chain.contacts().iter().zip(both).map(force).collect()

@@ -242,5 +242,9 @@ fn energy_facts(energy: &EnergyLedger, number: u32) -> EnergyMessage {
         kuwabara_kono_j: taken("kuwabara_kono"),
         power_law_loss_j: taken("power_law_loss"),
         left_in_contacts_j: lost.left_in_contacts,
+        plasticity_j: taken("plasticity"),
+        top_wall_j: taken("top_wall"),
+        bottom_wall_j: taken("bottom_wall"),
+        work_of_drive_j: lost.work_of_drive.unwrap_or(0.0),
     }
 }

@@ -3,6 +3,7 @@
 use super::acquisition::{external, truth, volts};
 use super::auto_effects::resolve_auto_effects;
 use super::{Integration, RunError, film_grid, free_grid, method, scene_bench};
+use crate::chain::Indentations;
 use crate::scene::Scene;
 use crate::trace::Trace;
 
@@ -38,6 +39,8 @@ pub struct Inputs {
     pub external: Vec<f64>,
     /// Ground truth: forces and frames, thinned to fifty thousand samples a trace.
     pub truth: Vec<Trace>,
+    /// Indentations that the contacts have at the end.
+    pub indentations: Indentations,
 }
 
 /// Strikes the scene's chain and follows it for a trigger anywhere within the scene's duration, but
@@ -69,5 +72,6 @@ pub fn inputs(scene: &Scene, window: InputWindow, shot: u32) -> Result<Inputs, R
         volts: channels.map(|c| c.as_ref().map(signal).unwrap_or_default()).collect(),
         external: external(scene, &bench),
         truth: truth(scene, &bench),
+        indentations: bench.indentations(),
     })
 }

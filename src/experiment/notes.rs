@@ -44,6 +44,8 @@ pub fn notes(
         }
     }
     notes.extend(echoes(scene));
+    notes.extend(indented(&scene.chain));
+    notes.extend(without_strength(scene));
     notes.extend(sensors.iter().filter(|s| s.first_peak.is_none()).map(no_peak));
     if let Some(extremes) = extremes {
         let forces = extremes.forces(&scene.chain);
@@ -53,6 +55,34 @@ pub fn notes(
     }
     notes.extend(scene.notes.iter().cloned());
     notes
+}
+
+/// Contacts that stay elastic with plasticity on, since the strengths of both bodies are unknown.
+fn without_strength(scene: &Scene) -> Option<Note> {
+    scene.spec.effects.plasticity?;
+    let contacts = scene.chain.contacts().iter().enumerate();
+    let elastic = contacts.filter(|(_, c)| c.stiffness > 0.0 && c.yield_force.is_none());
+    let elastic: Vec<usize> = elastic.map(|(j, _)| j).collect();
+    let (upper, lower) = scene.chain.beside(*elastic.first()?);
+    let sentence = format!(
+        "{} contacts stay elastic: the first is between {upper} and {lower}, whose materials have no yield_strength",
+        elastic.len()
+    );
+    Some(Note::new("yield_strength_unknown", sentence).with("contacts", elastic.len()))
+}
+
+/// Contacts that earlier shots have indented.
+fn indented(chain: &Chain) -> Option<Note> {
+    let indented = chain.contacts().iter().filter(|contact| contact.indented > 0.0);
+    let residuals: Vec<f64> = indented.map(|c| c.residual_overlap(c.indented)).collect();
+    let deepest = residuals.iter().copied().reduce(f64::max)?;
+    let sentence = format!(
+        "earlier shots have indented {} contacts, the deepest by {}",
+        residuals.len(),
+        engineering(deepest, "m", 3)
+    );
+    let note = Note::new("indented", sentence).with("contacts", residuals.len());
+    Some(note.with("deepest_m", deepest))
 }
 
 /// A calibration in another kind of host than the one it is used in: a plate in a steel cylinder

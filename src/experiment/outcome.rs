@@ -7,7 +7,9 @@ use serde::Serialize;
 
 use super::paper_speeds::PaperSpeed;
 use super::pulse::{FOOT_SHARE, HALF_RISE_SHARE, PEAK_SHARE, PassedOver, Peak, PulseRecorder};
-use crate::chain::{Chain, ContactLoss, ContactOverride, Dissipated, Energy, LossKind, LossSpec};
+use crate::chain::{
+    Chain, ContactLoss, ContactOverride, Dissipated, Energy, Indentations, LossKind, LossSpec,
+};
 use crate::note::Note;
 use crate::quantity::engineering;
 use crate::recording::Shot;
@@ -21,6 +23,8 @@ pub struct Outcome {
     pub summary: Summary,
     /// The scope's records and the truth behind them.
     pub shot: Shot,
+    /// Indentations that the contacts have at the end.
+    pub indentations: Indentations,
 }
 
 /// Summary of a run.

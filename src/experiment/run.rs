@@ -158,7 +158,8 @@ impl<'a> Run<'a> {
         }
         self.wall_s += started.elapsed().as_secs_f64();
         let shot = record(scene, &self.bench, found, self.shot);
-        Ok(Outcome { summary: self.summarise(&shot, accuracy, found), shot })
+        let summary = self.summarise(&shot, accuracy, found);
+        Ok(Outcome { summary, shot, indentations: self.bench.indentations() })
     }
 
     /// Velocities of all bodies now, where there are no sensors to look at (m/s).

@@ -101,6 +101,8 @@ pub struct ChainSystem {
     held: Vec<bool>,
     /// How contacts load that may yield, none of others.
     yielding: Vec<Option<Yielding>>,
+    /// How far each contact is from opening at rest (m).
+    travel: Vec<f64>,
     switches: Vec<Change>,
     /// Speed that stands for one joule in the accounts, so that the error control weighs them as it
     /// does speeds (m/s/J).
@@ -160,6 +162,7 @@ impl ChainSystem {
             closed: vec![true; contacts.len()],
             held: vec![false; contacts.len()],
             yielding,
+            travel: contacts.iter().map(Contact::static_travel).collect(),
             switches,
             unit: chain.account_unit(initial_velocity),
             tangents: vec![Tangent::default(); contacts.len()],
@@ -382,7 +385,7 @@ impl System for ChainSystem {
             Some(_) => self.contact_motion(j, position, velocity).difference,
             None => difference(x, j),
         };
-        let changes = contacts.map(|(j, c)| change(j).max(-c.static_approach()).abs());
+        let changes = contacts.map(|(j, _)| change(j).max(-self.travel[j]).abs());
         let velocity = v.iter().fold(self.speed_floor, |most: f64, v| most.max(v.abs()));
         Scales { position: changes.fold(self.overlap_floor, f64::max), velocity }
     }

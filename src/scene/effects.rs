@@ -10,7 +10,7 @@ use super::magnets::{RingKeys, TableKeys, law};
 use super::problem::one_of;
 use super::table::{Bound, FromKey, FromTable, Key, Keys, Kind, Places, TableReader};
 use super::table::{
-    difference, effect, list_of, not_negative, quantity, table, text, texts, word, words,
+    difference, effect, flag, list_of, not_negative, quantity, table, text, texts, word, words,
 };
 use crate::chain::effects::is_pair;
 use crate::chain::{
@@ -155,6 +155,8 @@ table! {
         model: PlasticLaw = word::<PlasticLaw>().required().needs("\"thornton\" or \"walton_braun\""),
         /// of `walton_braun`, at any speed
         restitution: f64 = quantity(Dimension::NONE, Bound::Within(0.01, 1.0)),
+        /// whether shots start with the indentations of the shots before
+        keep_indentations: bool = flag().or("false"),
     }
 }
 
@@ -243,7 +245,7 @@ fn plasticity(keys: &PlasticityKeys<'_>) -> Option<Plasticity> {
             PlasticModel::WaltonBraun(keys.restitution?)
         }
     };
-    Some(Plasticity { model })
+    Some(Plasticity { model, keeps_indentations: keys.keep_indentations? })
 }
 
 words! {

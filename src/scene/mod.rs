@@ -38,7 +38,8 @@ mod shot;
 #[doc(hidden)]
 pub mod table;
 mod uncertainty;
-mod vocabulary;
+#[doc(hidden)]
+pub mod vocabulary;
 
 pub use distance::{PlatePlace, Site, distance};
 pub use drive::OUTPUTS as GENERATOR_OUTPUTS;
@@ -51,7 +52,7 @@ pub use uncertainty::{InputDistribution, SpreadAmount, UncertainInput};
 
 use std::path::Path;
 
-use crate::chain::{Chain, ChainSpec, End, Support};
+use crate::chain::{Chain, ChainSpec, End, Indentations, Support};
 use crate::note::Note;
 use crate::quantity::engineering;
 use crate::scope::{Deviation, Model, Setup};
@@ -193,6 +194,13 @@ impl Scene {
             .map_err(|expected| format!("found a duration of {length} s, expected {expected}"))?;
         scene.chain = Chain::new(&scene.spec).map_err(|error| error.to_string())?;
         Ok(scene)
+    }
+
+    /// Indents the contacts by what a shot has left, if `[effects.plasticity]` keeps indentations.
+    pub fn keep_indentations(&mut self, left: &Indentations) {
+        if self.spec.effects.plasticity.is_some_and(|effect| effect.keeps_indentations) {
+            self.chain = self.chain.with_indentations(left);
+        }
     }
 
     /// Names of the included scenes.

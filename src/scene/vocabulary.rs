@@ -41,6 +41,18 @@ const ANSWERS: &[(&[&str], &str)] = &[
         "rods and plates are ends: chain.bottom = { rod = \"<material>\", diameter = \"<length>\" }",
     ),
     (
+        &["bits", "resolution", "high_resolution", "vertical_resolution", "enob"],
+        "there is none: scopes digitise to 8 bits, 25 levels to a division",
+    ),
+    (
+        &["creep", "hardening", "work_hardening"],
+        "there is none: contacts that yield are perfectly plastic",
+    ),
+    (
+        &["keep", "indentation", "indentations"],
+        "[effects.plasticity] keep_indentations = true keeps indentations from shot to shot",
+    ),
+    (
         &["laser", "ldv", "vibrometer", "interferometer"],
         "a laser vibrometer is [vibrometers.NAME] with particle and sensitivity",
     ),

@@ -10,6 +10,7 @@ use std::thread;
 use tokio::sync::mpsc;
 
 use super::ServeError;
+use crate::chain::Indentations;
 use crate::experiment::RunError;
 use crate::experiment::inputs::{InputWindow, inputs};
 use crate::instrument::{Fault, Instrument, Preparation, Prepared, SampleWindow, Signals};
@@ -74,10 +75,11 @@ impl BenchHandle {
         let (orders, inbox) = sync_channel::<BenchOrder>(1);
         let (sender, signals) = mpsc::channel(1);
         thread::Builder::new().name("bench".to_owned()).spawn(move || {
+            let mut left = Indentations::default();
             for order in inbox {
                 let (struck, preparation) = match order {
                     BenchOrder::Strike { scene, wanted, shot, faults, preparation } => {
-                        (strike(scene, wanted, shot, faults), preparation)
+                        (strike(scene, wanted, shot, faults, &mut left), preparation)
                     }
                     BenchOrder::Prepare { struck, preparation } => (*struck, preparation),
                 };
@@ -131,10 +133,14 @@ fn strike(
     wanted: SampleWindow,
     shot: u32,
     (faults, seed): (Vec<Fault>, u64),
+    left: &mut Indentations,
 ) -> StrikeSignals {
+    let mut indented = Scene::clone(&scene);
+    indented.keep_indentations(left);
     let SampleWindow { time_base, interval, before, after } = wanted;
     let window = InputWindow { interval, before, after };
-    let signals = inputs(&scene, window, shot).map(|arrived| {
+    let signals = inputs(&indented, window, shot).map(|arrived| {
+        *left = arrived.indentations;
         let truth = GroundTruth { start: arrived.start, traces: arrived.truth };
         let mut signals = Signals {
             time_base: Some(time_base),

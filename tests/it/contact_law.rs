@@ -134,7 +134,7 @@ fn a_scene_takes_the_numbers_of_a_fit() {
     let flat = crate::chains::steel_cylinder();
     let spec = ChainSpec { particles: vec![flat.clone(), flat], ..free(2, effects(1.0)) };
     assert!(Chain::new(&spec).is_ok());
-    let thornton = Plasticity { model: PlasticModel::Thornton };
+    let thornton = Plasticity::new(PlasticModel::Thornton);
     let both = EffectsSpec { plasticity: Some(thornton), ..effects(1.4) };
     assert!(Chain::new(&free(3, both)).is_err());
 }

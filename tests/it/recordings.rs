@@ -112,6 +112,10 @@ fn notes(shot: &Shot) -> ShotNotes {
             kuwabara_kono_j: 3e-6,
             power_law_loss_j: 0.5e-6,
             left_in_contacts_j: 0.5e-6,
+            plasticity_j: 2e-6,
+            top_wall_j: 1e-6,
+            bottom_wall_j: 3e-6,
+            work_of_drive_j: 4e-6,
         }),
         log: vec![
             (false, format!("shot {} is done", shot.number)),

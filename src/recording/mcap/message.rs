@@ -155,7 +155,7 @@ pub struct EnergyMessage {
     /// Booked as lost (J).
     #[prost(double, tag = "5")]
     pub dissipated_j: f64,
-    /// `(final + dissipated - initial) / initial` (1).
+    /// `final + dissipated - work_of_drive - initial`, over the energy in motion (1).
     #[prost(double, tag = "6")]
     pub drift: f64,
     /// Kinetic energy at the end (J).
@@ -185,6 +185,18 @@ pub struct EnergyMessage {
     /// Left in contacts held at zero force (J).
     #[prost(double, tag = "15")]
     pub left_in_contacts_j: f64,
+    /// Taken by contacts that yield (J).
+    #[prost(double, tag = "16")]
+    pub plasticity_j: f64,
+    /// Taken by a rod or plate at the top (J).
+    #[prost(double, tag = "17")]
+    pub top_wall_j: f64,
+    /// Taken by a rod or plate at the bottom (J).
+    #[prost(double, tag = "18")]
+    pub bottom_wall_j: f64,
+    /// Put in by a drive, not part of what is lost (J).
+    #[prost(double, tag = "19")]
+    pub work_of_drive_j: f64,
 }
 
 /// `foxglove.Log`: a line for people. Source: Foxglove's public message schemas.

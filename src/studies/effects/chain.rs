@@ -331,7 +331,7 @@ pub fn plasticity(subject: &BaselineRun<'_>) -> LedgerEntry {
             .entry("plasticity", criterion);
     }
     let other = subject.rebuilt(|scene| {
-        let thornton = Plasticity { model: PlasticModel::Thornton };
+        let thornton = Plasticity::new(PlasticModel::Thornton);
         scene.spec.effects.plasticity = (!is_on).then_some(thornton);
     });
     let (trial, failed) = against(subject, other, is_on);

@@ -137,7 +137,7 @@ impl MovingChain<'_> {
     }
 
     /// Holds first peaks at `contacts` by the first of two methods against those by the second.
-    fn hold_peaks(
+    pub fn hold_peaks(
         &self,
         tally: &mut CaseChecks,
         what: &str,

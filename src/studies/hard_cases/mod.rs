@@ -10,6 +10,7 @@ mod case;
 mod chaos;
 mod collisions;
 mod edges;
+mod ends;
 mod endurance;
 mod losses;
 mod openings;
@@ -28,6 +29,7 @@ pub fn catalogue() -> Vec<HardCase> {
         losses::CASES,
         endurance::CASES,
         edges::CASES,
+        ends::CASES,
         chaos::CASES,
     ]
     .concat()

@@ -99,7 +99,7 @@ pub(super) fn with_dashpot(scene: &Scene, dashpot: f64) -> Result<Scene, PaperEr
 /// `scene` with contacts that yield by Thornton's law.
 fn with_plasticity(scene: &Scene) -> Result<Scene, PaperError> {
     let mut scene = scene.clone();
-    scene.spec.effects.plasticity = Some(Plasticity { model: PlasticModel::Thornton });
+    scene.spec.effects.plasticity = Some(Plasticity::new(PlasticModel::Thornton));
     scene.chain = Chain::new(&scene.spec)?;
     Ok(scene)
 }

@@ -3,6 +3,7 @@
 use super::live_state::{LiveBench, StrikeResult};
 use super::screen_state::ScreenState;
 use super::state::{RunState, ordinate_unit};
+use crate::chain::Indentations;
 use crate::experiment::auto_effects::resolve_auto_effects;
 use crate::experiment::{Integration, facts, run};
 use crate::predict::{SampleOptions, TraceBand, trace_bands};
@@ -38,9 +39,10 @@ impl ScreenState {
         let Some(live) = &mut self.recordings.front_mut().live else { return };
         live.asked += 1;
         let (text, shot, turn) = (live.text(), live.shot, live.asked);
+        let left = live.indentations[0].clone();
         self.ask(Job::new(
             Queue::Bench,
-            move |_| struck(&title, &text, shot).map(Box::new),
+            move |_| struck(&title, &text, shot, &left).map(Box::new),
             move |model: &mut Self, result| model.apply_strike_result(turn, result),
         ));
         self.request_bands();
@@ -135,6 +137,7 @@ impl ScreenState {
             live.acquisition = RunState::Stopped;
         }
         live.summary = Some(struck.summary);
+        live.indentations[1] = struck.indentations;
         let is_other = first.scene.as_ref().is_none_or(|scene| scene.texts != struck.scene.texts);
         first.scene = Some(struck.scene);
         let is_missed = struck.set.shots.iter().all(|shot| shot.captures.is_empty());
@@ -198,6 +201,7 @@ impl ScreenState {
             return self.strike_served();
         }
         live.shot = live.shot.saturating_add(1);
+        live.indentations[0] = live.indentations[1].clone();
         self.strike();
     }
 
@@ -220,17 +224,19 @@ fn bands(title: &str, text: &str) -> Result<Vec<[Trace; 2]>, String> {
     Ok(bands.into_iter().map(TraceBand::edges).collect())
 }
 
-/// Strikes the bench of this text; it is the shot with this number.
-fn struck(title: &str, text: &str, shot: u32) -> Result<StrikeResult, String> {
+/// Strikes the bench of this text; it is the shot with this number, after others that have `left`
+/// indentations.
+fn struck(title: &str, text: &str, shot: u32, left: &Indentations) -> Result<StrikeResult, String> {
     let told = |error: &dyn std::fmt::Display| {
         error.to_string().split_whitespace().collect::<Vec<&str>>().join(" ")
     };
     let scene = Scene::from_text(title, "the bench", text);
-    let scene = scene.map_err(|error| told(&error))?;
+    let mut scene = scene.map_err(|error| told(&error))?;
+    scene.keep_indentations(left);
     let integration = Integration::Accuracy(scene.accuracy);
     let scene = resolve_auto_effects(&scene, integration).into_owned();
     let outcome = run(&scene, integration, shot, &mut |_| ()).map_err(|e| told(&e))?;
-    let summary = outcome.summary.clone();
+    let (summary, indentations) = (outcome.summary.clone(), outcome.indentations.clone());
     let set = facts::recording(&scene, integration, [outcome]).map_err(|error| told(&error))?;
-    Ok(StrikeResult { scene, set, summary })
+    Ok(StrikeResult { scene, set, summary, indentations })
 }

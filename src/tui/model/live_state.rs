@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use super::state::RunState;
+use crate::chain::Indentations;
 use crate::experiment::outcome::Summary;
 use crate::recording::TraceSet;
 use crate::scene::Scene;
@@ -25,6 +26,8 @@ pub struct StrikeResult {
     pub set: TraceSet,
     /// The run's summary.
     pub summary: Summary,
+    /// Indentations that the contacts have after it.
+    pub indentations: Indentations,
 }
 
 /// The bench behind the screen.
@@ -44,6 +47,8 @@ pub struct LiveBench {
     pub(super) asked: u64,
     pub(super) shown: u64,
     pub(super) shot: u32,
+    /// Indentations that the contacts have before that shot, and after it.
+    pub(super) indentations: [Indentations; 2],
     /// Summary of the last impact.
     pub summary: Option<Summary>,
     /// The scope, where another process serves it; none where the bench is this one's.
@@ -63,6 +68,7 @@ impl LiveBench {
             asked: 0,
             shown: 0,
             shot: 1,
+            indentations: <[Indentations; 2]>::default(),
             summary: None,
             served: None,
         }

@@ -102,6 +102,9 @@ fn nothing(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
             None if model.is_growing() => "Waiting for the first shot ...",
             None => "This recording holds no shots.",
         },
+        Some(shot) if !shot.truth.is_empty() => {
+            "This shot holds no captures: b shows the chain in motion"
+        }
         Some(_) => "This shot holds no captures.",
     };
     let area = layout.graticule;

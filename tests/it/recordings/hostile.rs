@@ -345,6 +345,10 @@ fn series_and_energies_with_numbers_that_are_none() {
         kuwabara_kono_j: 1.0,
         power_law_loss_j: 1.0,
         left_in_contacts_j: 1.0,
+        plasticity_j: 1.0,
+        top_wall_j: 1.0,
+        bottom_wall_j: 1.0,
+        work_of_drive_j: 1.0,
         ..EnergyMessage::default()
     };
     let sound = ledger.encode_to_vec();

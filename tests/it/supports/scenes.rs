@@ -1,6 +1,7 @@
 //! Drives, rods and plates in scenes.
 
 use hertzscope::experiment::accuracy::run_to_accuracy;
+use hertzscope::experiment::facts;
 use hertzscope::experiment::outcome::Summary;
 use hertzscope::scene::Scene;
 
@@ -154,4 +155,32 @@ fn a_cradle_without_scope_tells_its_velocities() {
     assert!(found[0] < 0.0 && found[4] < 0.1, "{found:?}");
     let (momentum, square) = found.iter().fold((0.0, 0.0), |(p, e), v| (p + v, e + v * v));
     assert!((momentum - 0.1).abs() < 1e-12 && (square - 0.01).abs() < 1e-9, "{found:?}");
+}
+
+/// The ledger in a recording closes: work of the drive, losses by each kind and energies by kind.
+#[test]
+fn the_ledger_in_a_recording_has_drive_rod_and_yielding() {
+    let text = "base = \"driven-dimer\"\nduration = \"1 ms\"\nmaterials.ptfe.yield_strength = \"15 MPa\"\nchain.bottom = { rod = \"stainless_steel\", diameter = \"4.76 mm\" }\ndrive.stack.stroke = \"2 um\"\neffects.plasticity = { model = \"thornton\" }\n";
+    let scene = Scene::from_text("ledger", "ledger.toml", text);
+    let scene = scene.unwrap_or_else(|error| panic!("{error}"));
+    let outcome = run_to_accuracy(&scene, 1e-7, 1, &mut |_| ()).expect("a run");
+    let energy = facts::shot_notes(&scene, &outcome).energy.expect("a ledger");
+    let lost = energy.plasticity_j
+        + energy.bottom_wall_j
+        + energy.dashpot_j
+        + energy.kuwabara_kono_j
+        + energy.power_law_loss_j
+        + energy.left_in_contacts_j;
+    println!("{energy:?}");
+    assert!(energy.plasticity_j > 0.0 && energy.bottom_wall_j > 0.0 && energy.top_wall_j == 0.0);
+    let work = energy.work_of_drive_j;
+    assert!((lost - energy.dissipated_j).abs() < 1e-12 * work, "{lost:e}");
+    let by_kind = energy.kinetic_j
+        + energy.elastic_j
+        + energy.gravity_j
+        + energy.magnet_j
+        + energy.end_forces_j;
+    // Two differences of some 1e-7 of the work, at this accuracy.
+    let missing = by_kind + lost - work - energy.initial_j;
+    assert!(missing.abs() < 1e-6 * work, "{missing:e} of {work:e}");
 }
