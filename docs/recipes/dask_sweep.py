@@ -27,7 +27,7 @@ def main():
     parser.add_argument("grid", type=Path)
     parser.add_argument("--shards", type=int, required=True)
     parser.add_argument("--scheduler", help="address of a cluster's scheduler; without it, this machine's processors")
-    parser.add_argument("--instructions", help="AVX-512, AVX2 or baseline")
+    parser.add_argument("--instructions", help="avx512, avx2 or portable")
     parser.add_argument("--hertzscope", default="hertzscope", help="the program")
     options = parser.parse_args()
 

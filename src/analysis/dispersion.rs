@@ -65,6 +65,26 @@ impl DiatomicChain {
         self.light_mass < self.heavy_mass
     }
 
+    /// Beads of the smallest part that repeats: two, of equal masses one.
+    pub fn beads_per_cell(&self) -> usize {
+        if self.has_gap() { 2 } else { 1 }
+    }
+
+    /// Length of the smallest part that repeats (m).
+    pub fn period(&self) -> f64 {
+        0.5 * self.cell * self.beads_per_cell() as f64
+    }
+
+    /// The branches with their names, each frequency at the phase `k` times [`Self::period`]
+    /// (rad) (Hz). Equal beads have one, `f3 sin(k a/2)`, with `a` from bead to bead.
+    pub fn branches(&self, phase: f64) -> Vec<(&'static str, f64)> {
+        if self.has_gap() {
+            vec![("acoustic branch", self.acoustic(phase)), ("optical branch", self.optical(phase))]
+        } else {
+            vec![("equal beads", self.cutoff() * (0.5 * phase).sin())]
+        }
+    }
+
     /// Frequency of the mode that lives in the gap at a free end with a light mass (Hz).
     pub fn surface_mode(&self) -> f64 {
         self.cutoff() / 2.0_f64.sqrt()

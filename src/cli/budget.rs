@@ -33,14 +33,20 @@ pub struct Arguments {
 #[derive(Debug, Clone, Copy, Args)]
 pub struct DrawArguments {
     /// Number of Monte Carlo runs over the scene's uncertain inputs (Latin hypercube)
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(20..=1_000_000))]
-    samples: u32,
+    /// [default: 1000; of `compare` 300, for a fast answer]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(20..=1_000_000))]
+    samples: Option<u32>,
     /// Random seed of these runs
     #[arg(long, value_name = "N", default_value_t = 1)]
     sample_seed: u64,
 }
 
 impl DrawArguments {
+    /// The same with `samples` runs if no number of them is asked for.
+    pub fn or(self, samples: u32) -> Self {
+        Self { samples: self.samples.or(Some(samples)), ..self }
+    }
+
     /// The prediction of `scene` with its uncertainty.
     pub fn predict(
         self,
@@ -55,7 +61,9 @@ impl DrawArguments {
                 progress.at(share);
             }
         };
-        let samples = usize::try_from(self.samples).unwrap_or(usize::MAX);
+        let default = SampleOptions::default().samples;
+        let samples =
+            self.samples.map_or(default, |count| usize::try_from(count).unwrap_or(usize::MAX));
         let options = SampleOptions { samples, seed: self.sample_seed };
         let found = uncertain_prediction(&mut adjustable, options, bands, &report);
         if let Ok(progress) = progress.into_inner() {

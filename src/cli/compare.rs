@@ -20,7 +20,9 @@ use crate::files;
 use crate::measurement::compare::mapping::Assignment;
 use crate::measurement::compare::score_limits::ScoreLimits;
 use crate::measurement::compare::{Align, Compared, ComparedShot, Comparison, compare};
-use crate::predict::{JointTest, NormalisedError, TraceBand, judge, normalised_errors};
+use crate::predict::{
+    JointTest, NormalisedError, TraceBand, UncertainPrediction, judge, normalised_errors,
+};
 use crate::recording::format::{Format, open_shot};
 use crate::recording::tek_csv::TableColumns;
 use crate::recording::{TraceSet, mcap};
@@ -29,6 +31,10 @@ use crate::report::page::{self, Part, html, markdown};
 use crate::report::plot::{Theme, svg};
 use crate::scene::Scene;
 use crate::scene::random_inputs::RandomInput;
+
+/// Runs for the intervals of an uncertain scene where none are asked for: `E_n` to a few percent in
+/// a third of a second.
+const FIRST_SAMPLES: u32 = 300;
 
 /// Compare a measurement with a simulation: scores for each channel; exit code 1 where they exceed
 /// the tolerance
@@ -143,7 +149,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     report::check_finite(&scores)?;
     let parts = |stem: &str| {
         let mut parts = report::comparison_page(&compared, &predicted.bands, stem);
-        parts.extend(report::normalised_error_parts(&scores.normalised_errors));
+        parts.extend(report::normalised_error_parts(&scores.normalised_errors, predicted.samples));
         parts
     };
     let provenance = Provenance {
@@ -183,6 +189,7 @@ fn fail_left_out(sensors: &[SensorAssignment], comparison: &mut Comparison) {
 /// What a scene's uncertainty makes of its prediction.
 #[derive(Default)]
 struct Predicted {
+    samples: usize,
     inputs: Vec<RandomInput>,
     bands: Vec<TraceBand>,
 }
@@ -198,12 +205,13 @@ fn errors(
     if !simulation.scene.as_ref().is_some_and(is_uncertain) {
         return Ok(((Vec::new(), None), Predicted::default()));
     }
-    let predicted = arguments.draws.predict(&arguments.simulated, true, arguments.quiet)?;
+    let predicted = arguments.draws.or(FIRST_SAMPLES).predict(&arguments.simulated, true, arguments.quiet)?;
     let errors = match arguments.tolerance {
         Some(_) => normalised_errors(compared, &predicted),
         None => judge(compared, &predicted),
     };
-    Ok((errors, Predicted { inputs: predicted.inputs, bands: predicted.bands }))
+    let UncertainPrediction { samples, inputs, bands, .. } = predicted;
+    Ok((errors, Predicted { samples, inputs, bands }))
 }
 
 /// The simulated side.

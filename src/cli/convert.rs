@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use super::input::{ReadingArguments, no_capture};
 use super::overwrite::OverwriteArguments;
 use super::picture;
-use super::plain_table::{TableContent, plain_table};
+use super::plain_table::{TableContent, TrueColumns, plain_table};
 use crate::files;
 use crate::recording::format::{FORMATS, FileFormat, Recording};
 use crate::recording::mcap::RecordingWriter;
@@ -36,9 +36,9 @@ pub struct Arguments {
     /// Format of a .csv file
     #[arg(long = "as", value_name = "FORM", value_enum, default_value = "table")]
     form: Form,
-    /// In a table: also the simulated (true) forces at the sensors
-    #[arg(long)]
-    truth: bool,
+    /// In a table: also the simulated (true) forces at the sensors, or all true signals
+    #[arg(long, value_enum, value_name = "WHICH", num_args = 0..=1, require_equals = true, default_missing_value = "sensors")]
+    truth: Option<TrueColumns>,
     /// In a table: forces (N) instead of voltages, by the sensors' calibrations
     #[arg(long)]
     newtons: bool,
@@ -113,7 +113,7 @@ impl Target {
                 output.display()
             ),
         };
-        if (arguments.truth || arguments.newtons) && !matches!(target, Self::Table) {
+        if (arguments.truth.is_some() || arguments.newtons) && !matches!(target, Self::Table) {
             bail!("{}: --truth and --newtons are for tables (.csv)", output.display());
         }
         if arguments.light && !matches!(target, Self::Picture) {

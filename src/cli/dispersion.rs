@@ -9,6 +9,7 @@ use clap::Args;
 use super::input::ReadingArguments;
 use super::picture::PlotArguments;
 use super::value::quantity;
+use crate::analysis::dispersion::DiatomicChain;
 use crate::analysis::gate::Gate;
 use crate::analysis::wavenumber::spectral_lines;
 use crate::measurement::metadata;
@@ -18,7 +19,7 @@ use crate::report::dispersion::DispersionPage;
 use crate::scene::Site;
 use crate::trace::Trace;
 
-/// Waves are looked for up to this multiple of the top of the optical branch (1).
+/// Waves are looked for up to this multiple of the highest frequency that travels (1).
 const FREQUENCY_MARGIN: f64 = 1.2;
 
 /// Show frequency and wavenumber of the waves in a simulated recording, with the chain's dispersion
@@ -70,7 +71,11 @@ fn page(arguments: &Arguments) -> anyhow::Result<DispersionPage> {
     });
     let particle = arguments.particle.or(sensor).unwrap_or(2);
     let cell = metadata::cell_and_force(&scene, Site::Particle(particle));
-    let (Some((chain, preload)), Some(contacts)) = (cell, metadata::cells(&scene, particle)) else {
+    let contacts = |chain: &DiatomicChain| {
+        metadata::cells(&scene, particle, chain.beads_per_cell())
+    };
+    let found = cell.and_then(|(chain, preload)| Some((chain, preload, contacts(&chain)?)));
+    let Some((chain, preload, contacts)) = found else {
         bail!(
             "found no bands at particle {particle} of {}, expected two kinds in turn or equal particles, and a preload",
             scene.name
@@ -99,7 +104,7 @@ fn page(arguments: &Arguments) -> anyhow::Result<DispersionPage> {
     let (highest, nyquist) = (FREQUENCY_MARGIN * chain.cutoff(), 0.5 / interval);
     if nyquist < chain.cutoff() {
         bail!(
-            "found forces along the chain every {interval:e} s, which resolve frequencies to {nyquist:.0} Hz, expected them to {:.0} Hz, the top of the optical branch: run the scene for less time",
+            "found forces along the chain every {interval:e} s, which resolve frequencies to {nyquist:.0} Hz, expected them to {:.0} Hz, above which nothing travels: run the scene for less time",
             chain.cutoff()
         );
     }

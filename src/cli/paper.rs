@@ -23,7 +23,7 @@ const TITLE: &str = "Herbold et al. (2009), recomputed";
 pub struct Arguments {
     /// Write figures (SVG, PNG), their data (CSV), recordings (MCAP), and a report (Markdown, HTML)
     /// into this folder
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long = "output", alias = "out", value_name = "DIR")]
     out: Option<PathBuf>,
     /// Only this figure, with the statements that belong to it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(i64::from(*FIGURES.start())..=i64::from(*FIGURES.end())))]

@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
 use clap::Args;
 use serde::Serialize;
 
 use super::overwrite::OverwriteArguments;
 use crate::files;
-use crate::quantity::{Dimension, parse};
+use crate::quantity::{Dimension, Quantity, parse};
 use crate::report::plot::{Sheet, Style, Theme, svg_in_style};
 
 /// Endings that `--plot` takes.
@@ -58,12 +58,23 @@ pub struct PictureArguments {
     /// Size of its text in points [default: 9, with --width 8]
     #[arg(long, value_name = "PT", value_parser = font_size, requires = "plot")]
     font_size: Option<f64>,
+    /// Part of the abscissa to show, e.g. "0 us..300 us"
+    #[arg(long, value_name = "FROM..TO", value_parser = range, requires = "plot", allow_hyphen_values = true)]
+    x_range: Option<(f64, f64)>,
+    /// Part of the ordinate to show, e.g. "-1 V..5 V"; in all panels
+    #[arg(long, value_name = "FROM..TO", value_parser = range, requires = "plot", allow_hyphen_values = true)]
+    y_range: Option<(f64, f64)>,
     /// Title of the picture; "" for none
     #[arg(long = "title", value_name = "TEXT", requires = "plot")]
     title: Option<String>,
 }
 
 impl PictureArguments {
+    /// Whether a picture is wanted.
+    pub fn is_wanted(&self) -> bool {
+        self.plot.is_some()
+    }
+
     /// Refuses a picture that exists; called before the work.
     pub fn check(&self, overwrite: OverwriteArguments) -> anyhow::Result<()> {
         self.plot.iter().try_for_each(|file| overwrite.check(file))
@@ -81,6 +92,13 @@ impl PictureArguments {
         if let Some(title) = &self.title {
             title.clone_into(&mut sheet.title);
         }
+        if (self.x_range.is_some() || self.y_range.is_some())
+            && !sheet.show(self.x_range, self.y_range)
+        {
+            bail!(
+                "found --x-range or --y-range for a picture of rows or of a map, expected one of curves"
+            );
+        }
         let usual = Style::default().font_size;
         let font_size = self.font_size.unwrap_or(if self.width.is_some() { 8.0 } else { usual });
         write(file, &sheet, &Style { theme: self.theme, width: self.width, font_size })
@@ -95,6 +113,17 @@ fn width(text: &str) -> Result<f64, String> {
     } else {
         Err(format!("found {text}, expected a width from 30 mm to 1 m, e.g. 86mm"))
     }
+}
+
+/// Both ends of a part of an axis (unit).
+fn range(text: &str) -> Result<(f64, f64), String> {
+    let end = |text: &str| text.trim().parse::<Quantity>().ok().map(|quantity| quantity.value);
+    let ends = text.split_once("..").and_then(|(from, to)| end(from).zip(end(to)));
+    ends.filter(|(from, to)| from < to && (to - from).is_finite()).ok_or_else(|| {
+        format!(
+            "found {text}, expected two values from the lower to the higher, e.g. \"0 us..300 us\""
+        )
+    })
 }
 
 /// Size of a picture's text (pt).

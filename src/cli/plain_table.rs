@@ -1,6 +1,7 @@
 //! A recording as a plain table for other programs: `time_s,CH1_V,...`, one row a sample.
 
 use anyhow::bail;
+use clap::ValueEnum;
 
 use super::input::no_capture;
 use crate::measurement::force::forces;
@@ -14,11 +15,20 @@ use crate::trace::Trace;
 /// a record.
 const PRINTED_DIGITS: usize = 12;
 
+/// True signals in a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum TrueColumns {
+    /// Forces at the sensors
+    Sensors,
+    /// Also the force in each contact and the displacement of each body
+    All,
+}
+
 /// What a table holds beside times and voltages.
 #[derive(Debug, Clone, Copy)]
 pub struct TableContent {
-    /// True forces at the sensors, of a simulation, interpolated to the samples' times.
-    pub truth: bool,
+    /// True signals of a simulation, interpolated to the samples' times.
+    pub truth: Option<TrueColumns>,
     /// Forces in newtons in the place of volts, by the sensors' calibrations.
     pub newtons: bool,
 }
@@ -119,8 +129,8 @@ fn columns(set: &TraceSet, shot: &Shot, content: TableContent) -> anyhow::Result
             engineering(axis.interval, "s", 4)
         );
     }
-    if content.truth {
-        let truth = truth(shot, axis)?;
+    if let Some(wanted) = content.truth {
+        let truth = truth(shot, axis, wanted)?;
         columns.extend(truth);
     }
     Ok(columns)
@@ -133,16 +143,22 @@ fn values(waveform: &Waveform) -> Vec<Option<f64>> {
     waveform.values().map(|value| Some(printed(value))).collect()
 }
 
-/// True forces at the sensors, at the times of `axis`.
-fn truth(shot: &Shot, axis: &TraceColumn) -> anyhow::Result<Vec<TraceColumn>> {
+/// True signals at the times of `axis`: `truth_p2_N`, `truth_contact3_N`, `truth_bead3_m`.
+fn truth(shot: &Shot, axis: &TraceColumn, wanted: TrueColumns) -> anyhow::Result<Vec<TraceColumn>> {
     let Some(trigger) = shot.trigger_time else {
         bail!("shot {} holds no truth: only simulations do", shot.number);
     };
-    let sensors = shot
-        .truth
-        .iter()
-        .filter_map(|trace| Some((TrueSignal::of(trace)?.sensor()?.to_owned(), trace)));
-    let columns = sensors.map(|(name, trace)| {
+    let name = |signal: TrueSignal| match signal {
+        TrueSignal::Force(sensor) => Some(sensor),
+        TrueSignal::Contact(_) | TrueSignal::Displacement(_) if wanted == TrueColumns::Sensors => {
+            None
+        }
+        TrueSignal::Contact(contact) => Some(format!("contact{contact}")),
+        TrueSignal::Displacement(body) => Some(format!("bead{body}")),
+    };
+    let signals =
+        shot.truth.iter().filter_map(|trace| Some((name(TrueSignal::of(trace)?)?, trace)));
+    let columns = signals.map(|(name, trace)| {
         let at = |index: usize| interpolated(trace, axis.time(index) + trigger);
         TraceColumn {
             name: format!("truth_{name}_{}", trace.unit),

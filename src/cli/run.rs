@@ -156,7 +156,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             super::say(&format!("note        {note}"));
         }
     }
-    super::say(&format!("recording   {}", found.recording));
+    if arguments.output.is_none() {
+        super::say(&format!("recording   {}", found.recording));
+    }
     Ok(())
 }
 

@@ -21,6 +21,7 @@ use crate::instrument::{BenchAccess, Fault, fault};
 use crate::quantity::Dimension;
 use crate::recording::mcap::RecordingWriter;
 use crate::scene::Scene;
+use crate::scope::TriggerMode;
 use crate::server::{self, ServerOptions, Sockets};
 use crate::vxi11;
 
@@ -142,7 +143,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     let file = recording.as_ref().map(|recording| recording.file().display().to_string());
     let sockets = Sockets { raw, hislip, vxi11, port_mapper };
-    let told = announcement(arguments, &sockets, file.as_deref())?;
+    let mut told = announcement(arguments, &sockets, file.as_deref())?;
+    if scene.scope.trigger.mode == TriggerMode::Auto && !arguments.json {
+        told.push_str("\ntrigger     AUTO: records without a trigger follow the impact; to keep it, send TRIGger:MAIn:MODe NORMal");
+    }
     let options = ServerOptions {
         header: arguments.header == Switch::On,
         impact_every: arguments.impact_every.map(Duration::from_secs_f64),

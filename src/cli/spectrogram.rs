@@ -10,12 +10,7 @@ use crate::analysis::time_frequency::{Pieces, Spectrogram};
 use crate::measurement::metadata;
 use crate::quantity::Dimension;
 use crate::report::spectrogram::SpectrogramPage;
-
-/// Without a highest frequency or band edges, the map ends at this share of half the sampling
-/// frequency (1).
-const SHOWN_SHARE: f64 = 0.25;
-/// With band edges it ends at this multiple of the highest (1).
-const BAND_MARGIN: f64 = 1.5;
+use crate::report::spectrum::shown_end;
 
 /// Show how a signal's spectrum changes with time: spectra of short segments, one after the other
 #[derive(Debug, Args)]
@@ -60,8 +55,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         ..SpectrumSettings::default()
     };
     let map = Spectrogram::of(&mut Analyser::new(), &trace, &settings, pieces)?;
-    let highest =
-        chain.map_or(SHOWN_SHARE * 0.5 / trace.interval, |chain| BAND_MARGIN * chain.cutoff());
+    let highest = shown_end(&map.columns, chain.as_ref());
     let title = arguments.signal.title(&trace);
     let notes = arguments.signal.clipped(&set).into_iter().collect();
     let page = SpectrogramPage { title, map, chain, highest, pieces, notes };

@@ -7,17 +7,18 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
 use clap::Args;
 
 use super::accuracy::accuracy;
 use super::gather::gathered;
 use super::output::is_captured;
 use super::overwrite::OverwriteArguments;
+use super::picture::PictureArguments;
 use super::progress::JobProgress;
 use crate::experiment::parallel::processors;
 use crate::motion::kernel::InstructionSet;
-use crate::report;
+use crate::report::{self, SweepAxes};
 use crate::sweep::SweepError;
 use crate::sweep::gather::GatheredLogs;
 use crate::sweep::log::{Scan, SweepLog, logs, scan};
@@ -57,12 +58,33 @@ pub struct Arguments {
     /// identical results [default: the best]
     #[arg(long, value_name = "SET")]
     instructions: Option<String>,
+    #[command(flatten)]
+    picture: PictureArguments,
+    /// Column of the picture's ordinate, e.g. p14.half_rise [default: the first .peak]
+    #[arg(long, value_name = "COLUMN", requires = "plot")]
+    y: Option<String>,
+    /// Column of its abscissa [default: the first varied one]; the others give its lines
+    #[arg(long, value_name = "COLUMN", requires = "plot")]
+    x: Option<String>,
     /// Print what was done as JSON
     #[arg(long)]
     json: bool,
     /// Print only errors
     #[arg(short, long)]
     quiet: bool,
+}
+
+impl Arguments {
+    /// Columns of the picture, if one is wanted; refused before the runs.
+    fn axes(&self, plan: &SweepPlan, shard: Shard) -> anyhow::Result<Option<SweepAxes>> {
+        if !self.picture.is_wanted() {
+            return Ok(None);
+        }
+        if !shard.is_whole() {
+            bail!("found --plot with {shard}, expected it with all runs");
+        }
+        Ok(Some(SweepAxes::of(plan.columns(), (self.x.as_deref(), self.y.as_deref()))?))
+    }
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
@@ -79,6 +101,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if shard.is_whole() && arguments.output.is_empty() && !arguments.overwrite.is_forced() {
         tables.iter().try_for_each(|file| table::check_own(file, plan.columns()))?;
     }
+    arguments.picture.check(arguments.overwrite)?;
+    let axes = arguments.axes(&plan, shard)?;
     let folder = arguments.folder.clone();
     let folder = folder.unwrap_or_else(|| arguments.grid.with_extension("sweep"));
     std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
@@ -127,6 +151,11 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     };
     if shard.is_whole() {
         let logs = GatheredLogs::read(&folder)?;
+        if let Some(axes) = axes {
+            let results = logs.table()?;
+            let title = format!("{}: {}", summary.sweep, summary.scene);
+            arguments.picture.save(&summary, || report::sweep_picture(&results, axes, &title))?;
+        }
         summary.gathered = Some(gathered(&folder, logs, &tables, arguments.quiet)?);
     }
     if arguments.json || !arguments.quiet {

@@ -112,7 +112,7 @@ pub struct Decay {
     /// Height there over height here, both as forces.
     pub ratio: Uncertain,
     /// Natural logarithm of the loss over the distance; none where that is not known (1/m).
-    pub per_metre: Option<f64>,
+    pub per_metre: Option<Uncertain>,
 }
 
 /// Arrivals, speeds and decay of a shot.
@@ -367,12 +367,15 @@ fn decays(scene: &Scene, placed: &[PlacedPulse<'_>]) -> Vec<Decay> {
         };
         let a = placed[..index].iter().rev().find(is_like)?;
         let ratio = b.force?.over(a.force?);
-        let (distance, _) = scene.distance(a.place, b.place)?;
+        let (distance, distance_u) = scene.distance(a.place, b.place)?;
+        let rate = -ratio.value.ln() / distance;
+        let u = (ratio.u / ratio.value).hypot(rate * distance_u) / distance;
+        let rate = Uncertain::normal(rate, u);
         Some(Decay {
             from: a.channel.to_owned(),
             to: b.channel.to_owned(),
             ratio,
-            per_metre: Some(-ratio.value.ln() / distance).filter(|rate| rate.is_finite()),
+            per_metre: Some(rate).filter(|rate| rate.value.is_finite() && rate.u.is_finite()),
         })
     };
     placed.iter().enumerate().filter_map(decay).collect()

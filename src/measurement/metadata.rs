@@ -293,9 +293,9 @@ pub fn mass_without_sensor(scene: &Scene, particle: usize) -> Option<f64> {
     nearest.map(|(.., mass)| mass)
 }
 
-/// Every second contact of the periodic part of `scene`'s chain around `particle`, one a cell, from
-/// the top; none where it is not periodic.
-pub fn cells(scene: &Scene, particle: usize) -> Option<Vec<usize>> {
+/// A contact of each cell of `beads` (1 or 2) in the periodic part of `scene`'s chain around
+/// `particle`, from the top; none where it is not periodic.
+pub fn cells(scene: &Scene, particle: usize, beads: usize) -> Option<Vec<usize>> {
     let chain = &scene.chain;
     let body = |p: usize| chain.bodies().get(chain.body_of(p));
     let takes_turns = |p: usize| {
@@ -307,5 +307,5 @@ pub fn cells(scene: &Scene, particle: usize) -> Option<Vec<usize>> {
     let start = start.into_iter().find(|p| turns(*p))?;
     let first = (1..=start).rev().take_while(|p| turns(*p)).last()?;
     let last = (start..=chain.particles()).take_while(|p| turns(*p)).last()? + 2;
-    Some((first..last).step_by(2).map(|p| chain.body_of(p) + 1).collect())
+    Some((first..last).step_by(beads.max(1)).map(|p| chain.body_of(p) + 1).collect())
 }

@@ -33,14 +33,14 @@ pub fn arrivals(survey: &Survey) -> String {
         lines.extend(speeds(survey));
     }
     for decay in &survey.decays {
-        let rate =
-            decay.per_metre.map_or(String::new(), |rate| format!(", attenuation {rate:.2} Np/m"));
+        let rate = decay.per_metre.map_or(String::new(), |rate| {
+            let rate = table::plus_minus(rate.value, rate.expanded(), "Np/m");
+            format!(", attenuation {rate}")
+        });
+        let ratio = table::plus_minus(decay.ratio.value, decay.ratio.expanded(), "");
         lines.push(format!(
-            "  first peak at {} over that at {}: {:.3} ± {:.3}{rate}",
-            decay.to,
-            decay.from,
-            decay.ratio.value,
-            decay.ratio.expanded()
+            "  first peak at {} over that at {}: {ratio}{rate}",
+            decay.to, decay.from
         ));
     }
     for channel in &survey.channels {

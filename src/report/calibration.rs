@@ -162,9 +162,8 @@ pub(super) fn results(report: &CalibrationReport) -> Vec<[String; 2]> {
         rows.push(row(
             "non-linearity",
             format!(
-                "{:+.2} % ± {:.2} % from the lowest to the highest force",
-                100.0 * line.change,
-                100.0 * line.expanded
+                "{} from the lowest to the highest force",
+                table::plus_minus(100.0 * line.change, 100.0 * line.expanded, "%")
             ),
         ));
     }

@@ -3,9 +3,8 @@
 use super::table;
 use crate::calibrate::blind::CalibrationCoverage;
 use crate::calibrate::design::TestDesign;
-use crate::numeric::intervals::NORMAL_95;
 use crate::numeric::statistics::expected_coverage;
-use crate::quantity::engineering;
+use crate::quantity::{Uncertain, engineering};
 use crate::scene::plan::lab::{Laboratory, SpeedReading};
 
 /// Candidates shown.
@@ -75,9 +74,8 @@ fn coverage_lines(checked: &CalibrationCoverage) -> [String; 5] {
             checked.repeats
         ),
         format!(
-            "  bias        {} ± {:.3} %",
-            percent(checked.bias),
-            100.0 * NORMAL_95 * checked.bias_u
+            "  bias        {}",
+            table::signed_percent(Uncertain::normal(checked.bias, checked.bias_u))
         ),
         format!(
             "  coverage    {:.1} % of the 95 % intervals hold the truth; right ones: {:.1} to {:.1} %",

@@ -20,10 +20,6 @@ fn or_dash(text: Option<String>) -> String {
     text.unwrap_or_else(|| "-".to_owned())
 }
 
-fn share(error: Uncertain) -> String {
-    format!("{:+.2} ± {:.2} %", 100.0 * error.value, 100.0 * error.expanded())
-}
-
 fn rows(comparison: &Comparison) -> Vec<Vec<String>> {
     let heading = ["", "against", "gain", "offset", "peak", "arrival", "correlation", "spectrum"];
     let row = |c: &ChannelScore| {
@@ -31,15 +27,15 @@ fn rows(comparison: &Comparison) -> Vec<Vec<String>> {
         vec![
             format!("{}{sensor}", c.name),
             c.against.clone(),
-            format!("{:.4} ± {:.4}", c.gain.value, c.gain.expanded()),
+            table::plus_minus(c.gain.value, c.gain.expanded(), ""),
             signed(c.offset, &c.unit, 2),
-            or_dash(c.peak_error.map(share)),
+            or_dash(c.peak_error.map(table::signed_percent)),
             or_dash(c.arrival_error_s.map(|error| {
-                format!(
-                    "{} ± {}",
-                    signed(error.value, "s", 3),
-                    engineering(error.expanded(), "s", 2)
-                )
+                if error.value == 0.0 {
+                    return "0 s, aligned".to_owned();
+                }
+                let sign = if error.value >= 0.0 { "+" } else { "" };
+                format!("{sign}{}", table::with_expanded(error.value, error.expanded(), "s"))
             })),
             or_dash(c.correlation.map(|c| format!("{c:.5}"))),
             or_dash(c.spectrum_distance.map(|d| format!("{:.2} %", 100.0 * d))),
@@ -71,13 +67,13 @@ fn speed_rows(comparison: &Comparison) -> Vec<Vec<String>> {
     table::titled(
         heading,
         comparison.speeds.iter().map(|s| {
-            let speed = |u: Uncertain| format!("{:.2} ± {:.2} m/s", u.value, u.expanded());
+            let speed = |u: Uncertain| table::with_expanded(u.value, u.expanded(), "m/s");
             vec![
                 format!("{} -> {}", s.from, s.to),
                 s.estimator.replace('_', "-"),
                 speed(s.measured_m_per_s),
                 speed(s.simulated_m_per_s),
-                share(s.error),
+                table::signed_percent(s.error),
             ]
         }),
     )
@@ -153,7 +149,8 @@ pub fn comparison_page(compared: &Compared, bands: &[TraceBand], stem: &str) -> 
         let both = Sheet::stack(title.as_str(), vec![both]);
         let residual = trace_points(&pair.residual());
         let shown = format!("{name}: measured minus simulated");
-        let apart = Plot::over_time([&shown, &score.unit], residual, Vec::new());
+        let apart =
+            Plot::over_time([&format!("{name}, difference"), &score.unit], residual, Vec::new());
         let apart = Sheet::stack(format!("{name}: difference"), vec![apart]);
         parts.push(Part::Picture(format!("{stem}-{name}.svg"), title, both));
         parts.push(Part::Picture(format!("{stem}-{name}-difference.svg"), shown, apart));
@@ -171,21 +168,18 @@ fn area(band: &TraceBand, shift: f64) -> Series {
     Series::area("95 % of simulated", &points(&band.low_v), &points(&band.high_v))
 }
 
-/// A measured trace over a calculated one with its name, both in the legend; `axis` is the channel
-/// and the unit.
+/// A measured trace and over it a calculated one with its name, both in the legend; `axis` is the
+/// channel and the unit.
 pub(super) fn measured_over(
     axis: [&str; 2],
     measured: Vec<(f64, f64)>,
     area: Option<Series>,
     (name, calculated): (&str, Vec<(f64, f64)>),
 ) -> Plot {
+    let measured = Series { name: "measured".to_owned(), ..Series::main(measured) };
     let calculated = Series::new(name, calculated, COLOURS[1], Stroke::Solid);
-    let behind = area.into_iter().chain([calculated]).collect();
-    let mut plot = Plot::over_time(axis, measured, behind);
-    if let Some(line) = plot.lines.last_mut() {
-        "measured".clone_into(&mut line.name);
-    }
-    plot
+    let lines = area.into_iter().chain([measured, calculated]).collect();
+    Plot::fitted(["time after the trigger", "s"], axis, lines)
 }
 
 /// The comparison as facts for a recording's metadata: `hertzscope:comparison`, and a group a

@@ -46,6 +46,7 @@ impl Serialize for DispersionPage {
             title: &'a str,
             preload_n: f64,
             cell_m: f64,
+            beads_per_cell: usize,
             cells: usize,
             #[serde(flatten, serialize_with = "band_edges")]
             chain: Option<DiatomicChain>,
@@ -58,56 +59,83 @@ impl Serialize for DispersionPage {
         let line = |line: &SpectralLine| Line {
             frequency_hz: line.frequency,
             phase_rad: line.phase,
-            wavenumber_per_m: line.phase / self.chain.cell,
+            wavenumber_per_m: line.phase / self.chain.period(),
             height: line.height,
             onward: line.onward,
             theory_hz: self.theory(line),
         };
-        let [acoustic, optical] = self.branches();
+        let mut branches = self.branches().into_iter().map(|(_, points)| points);
         Fields {
             title: &self.title,
             preload_n: self.preload,
-            cell_m: self.chain.cell,
+            cell_m: self.chain.period(),
+            beads_per_cell: self.chain.beads_per_cell(),
             cells: self.cells,
             chain: Some(self.chain),
             frequency_resolution_hz: self.found.frequency_resolution,
             phase_resolution_rad: self.found.phase_resolution,
             lines: self.found.lines.iter().map(line).collect(),
-            acoustic,
-            optical,
+            acoustic: branches.next().unwrap_or_default(),
+            optical: branches.next().unwrap_or_default(),
         }
         .serialize(serializer)
     }
 }
 
 impl DispersionPage {
-    /// Phase a cell (rad) and frequency (Hz) along the acoustic and the optical branch.
-    pub fn branches(&self) -> [Vec<(f64, f64)>; 2] {
+    /// Each branch with its name: phase a cell (rad) and frequency (Hz).
+    fn branches(&self) -> Vec<(&'static str, Vec<(f64, f64)>)> {
         let phases = || (0..=BRANCH_POINTS).map(|i| PI * f64::from(i) / f64::from(BRANCH_POINTS));
-        [
-            phases().map(|phase| (phase, self.chain.acoustic(phase))).collect(),
-            phases().map(|phase| (phase, self.chain.optical(phase))).collect(),
-        ]
+        let names = self.chain.branches(0.0).into_iter().map(|(name, _)| name).enumerate();
+        let points = |branch: usize| {
+            let at = |phase| Some((phase, self.chain.branches(phase).get(branch)?.1));
+            phases().filter_map(at).collect()
+        };
+        names.map(|(branch, name)| (name, points(branch))).collect()
     }
 
     /// Frequency of the nearer branch at a wave's phase (Hz).
     pub fn theory(&self, line: &SpectralLine) -> f64 {
-        let branches = [self.chain.acoustic(line.phase), self.chain.optical(line.phase)];
+        let branches = self.chain.branches(line.phase).into_iter().map(|(_, frequency)| frequency);
         let off = |f: &f64| (f - line.frequency).abs();
-        if off(&branches[0]) <= off(&branches[1]) { branches[0] } else { branches[1] }
+        branches.min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or_default()
     }
 
-    /// The branches with the waves found on them.
+    /// The branches with the waves found on them, the gap shaded and its edges named.
     pub fn plot(&self) -> Plot {
         let waves = |name: &str, onward: bool, colour| {
             let lines = self.found.lines.iter().filter(|line| line.onward == onward);
             let points = lines.map(|line| (line.phase, line.frequency)).collect();
             Series::new(name, points, colour, Stroke::Dots)
         };
-        let mut lines: Vec<Series> = self.branches().map(Series::main).into();
-        lines.push(waves("travelling forward", true, "#c04020"));
-        lines.push(waves("travelling backward", false, "#208040"));
-        Plot::fitted(["phase per cell, k a", "rad"], ["frequency", "Hz"], lines)
+        let across = |frequency: f64| [(0.0, frequency), (PI, frequency)];
+        let mut lines = Vec::new();
+        if self.chain.has_gap() {
+            let [low, high] = [self.chain.gap_bottom(), self.chain.gap_top()].map(across);
+            lines.push(Series::area("gap", &low, &high));
+        }
+        let colours = [COLOURS[0], COLOURS[3]];
+        lines.extend(self.branches().into_iter().zip(colours).map(|((name, points), colour)| {
+            Series::new(format!("theory, {name}"), points, colour, Stroke::Solid)
+        }));
+        lines.push(waves("found, forward", true, COLOURS[1]));
+        lines.push(waves("found, backward", false, COLOURS[2]));
+        let y = ["frequency", "Hz"];
+        let plot = Plot::fitted(["", ""], y, lines);
+        let edge = |(name, frequency): (&str, f64)| {
+            (frequency, format!("{name} {}", engineering(frequency, "Hz", 4)))
+        };
+        let beside = self.chain.edges().into_iter().map(edge).collect();
+        Plot { x: self.phases(), beside, ..plot }
+    }
+
+    /// The abscissa, from 0 to pi.
+    fn phases(&self) -> Axis {
+        let cell = if self.chain.has_gap() { "cell" } else { "bead" };
+        let ticks = ["0", "π/4", "π/2", "3π/4", "π"].into_iter().enumerate();
+        let ticks = ticks.map(|(i, name)| (0.25 * PI * i as f64, name.to_owned())).collect();
+        let label = format!("phase per {cell}, k a (rad)");
+        Axis { label, from: 0.0, to: PI, logarithmic: false, ticks }
     }
 
     /// The picture.
@@ -133,8 +161,9 @@ impl DispersionPage {
                 hertz(chain.cutoff())
             ),
             format!(
-                "  measured    over {} unit cells; resolution {} in frequency, {:.3} rad in k a",
+                "  found       over {} {}; resolution {} in frequency, {:.3} rad in k a",
                 self.cells,
+                if chain.has_gap() { "cells of two beads" } else { "beads" },
                 hertz(found.frequency_resolution),
                 found.phase_resolution
             ),
@@ -158,10 +187,12 @@ impl DispersionPage {
         page.extend(table::lines(&rows, &[5]));
         page.push(String::new());
         page.extend(terminal(&self.plot()));
-        page.push(
+        if chain.has_gap() {
+            page.push(
             "  note        on the optical branch phase and energy travel in opposite directions"
                 .to_owned(),
         );
+        }
         page.push("  note        theory is that of small signals; a wave as strong as the preload stiffens the contacts and runs above it".to_owned());
         page.join("\n")
     }

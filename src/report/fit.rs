@@ -9,6 +9,9 @@ use crate::fit::blind::BlindFits;
 use crate::fit::{ChannelResult, Fit, FitReport, Nuisance, Parameter};
 use crate::quantity::engineering;
 
+/// Correlations above this are named (1).
+const BAD_CORRELATION: f64 = 0.99;
+
 fn parameter_rows(report: &FitReport) -> Vec<Vec<String>> {
     let heading = ["", "start", "found", "95 % from", "to", "U95"];
     let row = |p: &Parameter| {
@@ -82,6 +85,26 @@ fn correlation_rows(report: &FitReport) -> Vec<Vec<String>> {
     std::iter::once(heading).chain((1..).zip(rows).map(row)).collect()
 }
 
+/// Pairs that the data hardly tell apart, each free parameter with what it goes with.
+fn bad_correlations(report: &FitReport) -> Vec<String> {
+    let names = |row: &[f64], own: usize| -> Vec<String> {
+        let close = row.iter().zip(&report.names).enumerate();
+        let close = close.filter(|(other, (c, _))| *other != own && c.abs() > BAD_CORRELATION);
+        close.map(|(_, (c, name))| format!("{name} ({c:+.3})")).collect()
+    };
+    let line = |(own, parameter): (usize, &Parameter)| {
+        let others = names(report.correlation.get(own)?, own);
+        (!others.is_empty()).then(|| {
+            format!(
+                "{}: hardly told apart from {}; what all of them leave free is in its ±",
+                parameter.path,
+                others.join(", ")
+            )
+        })
+    };
+    report.parameters.iter().enumerate().filter_map(line).collect()
+}
+
 fn profile_lines(report: &FitReport) -> Vec<String> {
     let line = |profile: &crate::fit::Profile| {
         let parameter = report.parameters.iter().find(|p| p.path == profile.path);
@@ -130,6 +153,7 @@ pub fn fit_page(fit: &Fit, stem: &str) -> Vec<Part> {
     let title = "other uncertain inputs of the scene, which moved within what it states";
     parts.extend(Part::section(title, input_rows(report), &[0]));
     parts.extend(Part::section("correlations", correlation_rows(report), &[0]));
+    parts.push(Part::List("note", bad_correlations(report)));
     let title = "residuals (autocorrelation from one sample to the next)";
     parts.extend(Part::section(title, channel_rows(report), &[0, 5]));
     parts.push(Part::Paragraph(quality(report)));
@@ -149,7 +173,8 @@ pub fn fit_page(fit: &Fit, stem: &str) -> Vec<Part> {
         let what = format!("{name}: measured minus fitted");
         let left = record.volts.iter().zip(shown).zip(&record.counts);
         let mut left = left.map(|((m, s), counts)| if *counts { m - s } else { 0.0 });
-        let apart = Plot::over_time([&what, "V"], points(&mut left), Vec::new());
+        let apart =
+            Plot::over_time([&format!("{name}, residual"), "V"], points(&mut left), Vec::new());
         let apart = Sheet::stack(format!("{name}: residual"), vec![apart]);
         parts.push(Part::Picture(format!("{stem}-{name}.svg"), title, both));
         parts.push(Part::Picture(format!("{stem}-{name}-residual.svg"), what, apart));

@@ -52,8 +52,8 @@ pub use png::{PngError, png};
 pub use screen::screen;
 pub use statistics::{statistics, statistics_table};
 pub use summary::summary;
-pub use sweep::{gathering, sweep};
-pub use table::RowTable;
+pub use sweep::{SweepAxes, SweepColumnError, gathering, sweep, sweep_picture};
+pub use table::{RowTable, signed_percent, with_expanded};
 pub use tunability::{TunabilityPage, transmitted, tunability, tunability_picture};
 pub use uncertainty::{
     bands_picture, budget_picture, normalised_error_parts, prediction_intervals, shot_picture,

@@ -41,13 +41,15 @@ impl Part {
     }
 }
 
-/// All pictures of a page as one.
+/// All pictures of a page as one. Panels over the same quantity have the same abscissa.
 pub fn picture(title: &str, parts: &[Part]) -> Sheet {
     let panels = parts.iter().filter_map(|part| match part {
         Part::Picture(_, _, sheet) => Some(&sheet.panels),
         _ => None,
     });
-    Sheet::stack(title, panels.flatten().cloned().collect())
+    let mut sheet = Sheet::stack(title, panels.flatten().cloned().collect());
+    sheet.share_abscissa();
+    sheet
 }
 
 /// `parts` as lines of text, without pictures.

@@ -73,8 +73,8 @@ impl Serialize for SpectrogramPage {
 
 impl SpectrogramPage {
     /// Amplitudes in decibels below the highest, the highest of each cell: columns over time, each
-    /// from the lowest frequency.
-    fn cells(&self) -> Vec<Vec<f64>> {
+    /// from the lowest frequency; and the highest (unit).
+    fn cells(&self) -> (Vec<Vec<f64>>, f64) {
         let count = self.map.columns.len();
         let (across, down) = (count.clamp(1, MAX_CELLS.0), MAX_CELLS.1);
         let mut cells = vec![vec![0.0_f64; down]; across];
@@ -93,7 +93,7 @@ impl SpectrogramPage {
         for cell in cells.iter_mut().flatten() {
             *cell = (20.0 * (*cell / top).log10()).max(-DYNAMIC_RANGE);
         }
-        cells
+        (cells, top)
     }
 
     fn row(&self, frequency: f64, down: usize) -> Option<usize> {
@@ -104,14 +104,19 @@ impl SpectrogramPage {
     fn plot(&self) -> Plot {
         let end = |time: Option<&f64>| time.copied().unwrap_or(0.0);
         let span = (end(self.map.times.first()), end(self.map.times.last()));
-        let x = Axis::prefixed("time", "s", span);
+        let x = Axis::prefixed("time after the trigger", "s", span);
         let y = Axis::prefixed("frequency", "Hz", (0.0, self.highest));
         let mut plot = Plot::new("", x, y);
         for (name, frequency) in self.chain.iter().flat_map(DiatomicChain::edges) {
             plot.lines.push(Series::level(&plot.x, frequency));
             plot.beside.push((frequency, format!("{name} {}", engineering(frequency, "Hz", 4))));
         }
-        plot.map = Some(ShadedMap::decibels(&self.cells(), DYNAMIC_RANGE));
+        let (cells, top) = self.cells();
+        let mut map = ShadedMap::decibels(&cells, DYNAMIC_RANGE);
+        if let Some(column) = self.map.columns.first() {
+            map.shades[1] = format!("0 dB: {}", engineering(top, &column.unit, 3));
+        }
+        plot.map = Some(map);
         plot
     }
 

@@ -5,13 +5,14 @@ use serde::{Serialize, Serializer};
 use super::plot::{Plot, Series, Sheet, terminal};
 use super::table;
 use crate::analysis::dispersion::DiatomicChain;
-use crate::analysis::spectrum::SpectralPeak;
-use crate::analysis::spectrum::Spectrum;
+use crate::analysis::spectrum::{Convention, SpectralPeak, Spectrum};
 use crate::quantity::engineering;
 
 /// Without band edges the plot ends a little behind the last amplitude higher than this share of
 /// the highest (1).
 const SHOWN_SHARE: f64 = 0.01;
+/// It ends at this multiple of that amplitude's frequency (1).
+const SIGNAL_MARGIN: f64 = 1.1;
 /// With band edges it ends at this multiple of the highest (1).
 const BAND_MARGIN: f64 = 1.5;
 
@@ -109,21 +110,42 @@ pub(super) fn band_marks(chain: &DiatomicChain) -> Vec<(f64, String)> {
     chain.edges().into_iter().map(named).collect()
 }
 
+/// Highest frequency that pictures of `spectra` show: a little more than the chain's highest band
+/// edge, or than the last amplitude that reaches a hundredth of the highest (Hz).
+pub fn shown_end<'a>(
+    spectra: impl IntoIterator<Item = &'a Spectrum> + Clone,
+    chain: Option<&DiatomicChain>,
+) -> f64 {
+    let all = || spectra.clone().into_iter();
+    let step = all().next().map_or(0.0, |spectrum| spectrum.step);
+    let end = match chain {
+        Some(chain) => BAND_MARGIN * chain.cutoff(),
+        None => {
+            let values = all().flat_map(|spectrum| &spectrum.amplitude);
+            let top = values.copied().fold(0.0, f64::max);
+            let last = |spectrum: &Spectrum| {
+                let is_shown = |a: &f64| *a >= SHOWN_SHARE * top;
+                spectrum.frequency(spectrum.amplitude.iter().rposition(is_shown).unwrap_or(0))
+            };
+            SIGNAL_MARGIN * all().map(last).fold(0.0, f64::max)
+        }
+    };
+    end.max(2.0 * step)
+}
+
 impl SpectrumPage {
     /// The spectrum from zero to where little is left, with the band edges marked.
     pub fn plot(&self) -> Plot {
         let spectrum = &self.spectrum;
-        let top = spectrum.amplitude.iter().copied().fold(0.0, f64::max);
-        let last = spectrum.amplitude.iter().rposition(|a| *a >= SHOWN_SHARE * top).unwrap_or(0);
-        let end = match &self.chain {
-            Some(chain) => BAND_MARGIN * chain.cutoff(),
-            None => 1.1 * spectrum.frequency(last),
-        };
+        let end = shown_end([spectrum], self.chain.as_ref());
         let points = spectrum.amplitude.iter().enumerate();
         let points = points.map(|(bin, a)| (spectrum.frequency(bin), *a));
-        let points = points.take_while(|(f, _)| *f <= end.max(2.0 * spectrum.step)).collect();
-        let y = spectrum.convention.to_string();
-        Plot::fitted(["frequency", "Hz"], [&y, &spectrum.unit], vec![Series::main(points)])
+        let points = points.take_while(|(f, _)| *f <= end).collect();
+        let y = match spectrum.convention {
+            Convention::Paper => "amplitude, |X|/M",
+            Convention::Density => "amplitude density",
+        };
+        Plot::fitted(["frequency", "Hz"], [y, &spectrum.unit], vec![Series::main(points)])
             .with_marks(self.chain.iter().flat_map(band_marks).collect())
     }
 
@@ -150,7 +172,8 @@ impl SpectrumPage {
             ),
         ];
         if self.offset != 0.0 {
-            lines.push(format!("  offset      {:.6e} subtracted from every sample", self.offset));
+            let offset = engineering(self.offset, &spectrum.unit, 4);
+            lines.push(format!("  offset      {offset} subtracted from every sample"));
         }
         lines.push("  peaks       largest first; ± is the expanded uncertainty (95 %)".to_owned());
         lines.push(String::new());

@@ -17,7 +17,7 @@ pub fn statistics(found: &[ShotStatistic]) -> String {
         let relative = statistic.standard_deviation.filter(|_| statistic.unit != "s");
         let relative = relative.map(|s| 100.0 * s / statistic.mean.abs());
         let trend = statistic.trend.map_or("-".to_owned(), |trend| {
-            format!("{} ± {}", shown(trend.value), shown(trend.expanded))
+            table::with_expanded(trend.value, trend.expanded, &statistic.unit)
         });
         rows.push(vec![
             match &statistic.to {

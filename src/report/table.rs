@@ -3,7 +3,7 @@
 
 use unicode_width::UnicodeWidthStr;
 
-use crate::quantity::engineering;
+use crate::quantity::{Uncertain, engineering};
 
 /// Widest column: longer cells overflow it and make no other cell wider (characters).
 const WIDEST: usize = 60;
@@ -76,8 +76,14 @@ pub(super) fn plus_minus(value: f64, expanded: f64, unit: &str) -> String {
     format!("{value:.decimals$} ± {expanded:.decimals$} {unit}").trim_end().to_owned()
 }
 
+/// A share in percent with its sign: `+8.6 ± 1.2 %`.
+pub fn signed_percent(share: Uncertain) -> String {
+    let text = plus_minus(100.0 * share.value, 100.0 * share.expanded(), "%");
+    if share.value >= 0.0 { format!("+{text}") } else { text }
+}
+
 /// In the number's own prefix: `319 ± 12 mN`.
-pub(super) fn with_expanded(value: f64, expanded: f64, unit: &str) -> String {
+pub fn with_expanded(value: f64, expanded: f64, unit: &str) -> String {
     let shown = engineering(value, unit, 6);
     let Some((number, prefixed)) = shown.split_once(' ') else { return shown };
     let Ok(mantissa) = number.parse::<f64>() else { return shown };

@@ -2,7 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
-use super::plot::{Plot, Series, Sheet, terminal};
+use super::plot::{Axis, Plot, Series, Sheet, terminal};
 use super::spectrum::{band_edges, band_marks};
 use super::table;
 use crate::analysis::dispersion::DiatomicChain;
@@ -97,6 +97,9 @@ impl Serialize for TransferPage {
     }
 }
 
+/// Room below the lowest gain in the picture (dB).
+const GAIN_MARGIN: f64 = 10.0;
+
 /// `|H|` on a logarithmic scale (dB).
 fn decibels(gain: f64) -> f64 {
     20.0 * gain.log10()
@@ -167,8 +170,16 @@ impl TransferPage {
             (["coherence", ""], Series::behind(&name, line), coherence),
         ]
         .map(|(y, behind, points)| {
-            Plot::fitted(["frequency", "Hz"], y, vec![behind, Series::main(points)])
-                .with_marks(self.chain.iter().flat_map(band_marks).collect())
+            let lowest = points.iter().map(|(_, value)| *value).fold(0.0, f64::min);
+            let main = Series { name: "measured".to_owned(), ..Series::main(points) };
+            let mut plot = Plot::fitted(["frequency", "Hz"], y, vec![behind, main])
+                .with_marks(self.chain.iter().flat_map(band_marks).collect());
+            plot.x = Axis::prefixed("frequency", "Hz", (0.0, plot.x.to));
+            if lowest < 0.0 {
+                // Where the interval has no lower end, the picture does not follow it down.
+                plot.y = Axis::prefixed(y[0], y[1], (lowest - GAIN_MARGIN, plot.y.to));
+            }
+            plot
         })
     }
 

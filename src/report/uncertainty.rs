@@ -205,7 +205,7 @@ pub fn shot_picture(shot: Option<&Shot>, title: &str) -> Sheet {
 }
 
 /// Normalised errors as parts of a page of `compare`; none without any.
-pub fn normalised_error_parts(errors: &[NormalisedError]) -> Vec<Part> {
+pub fn normalised_error_parts(errors: &[NormalisedError], samples: usize) -> Vec<Part> {
     let mut rows = vec![["", "measured", "simulated", "E_n"].map(str::to_owned).to_vec()];
     let shown = |number: Option<Uncertain>, unit: &str| {
         number.map_or("-".to_owned(), |number| with_expanded(number.value, number.expanded(), unit))
@@ -221,8 +221,10 @@ pub fn normalised_error_parts(errors: &[NormalisedError]) -> Vec<Part> {
     if parts.is_empty() {
         return parts;
     }
-    let told = "simulated: the middle of the interval that the scene's uncertainty leaves";
-    parts.push(Part::List("note", vec![told.to_owned()]));
+    let simulated = format!(
+        "simulated: the middle of the interval that the scene's uncertainty leaves, from {samples} runs (--samples)"
+    );
+    parts.push(Part::List("note", vec![simulated]));
     let beyond = errors.iter().filter(|error| !error.agrees());
     parts.push(Part::List("note", beyond.filter_map(moves_to_agree).collect()));
     parts

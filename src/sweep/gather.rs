@@ -12,7 +12,7 @@ use super::log::{LogHeader, LoggedRun, Scan, logs, scan};
 use super::plan::Column;
 use super::work::RunCounts;
 use super::{SweepError, at};
-use crate::table::{Cell, TableWriter, read_row};
+use crate::table::{Cell, Table, TableWriter, read_row};
 
 /// The joined logs of a sweep.
 #[derive(Debug)]
@@ -130,16 +130,52 @@ impl GatheredLogs {
         tables: &[PathBuf],
         progress: &mut dyn FnMut(f64),
     ) -> Result<RunCounts, SweepError> {
-        let open = |file: &PathBuf| File::open(file).map(BufReader::new).map_err(at(file));
-        let mut readers = self.files.iter().map(open).collect::<Result<Vec<_>, _>>()?;
-        // Where each reader stands.
-        let mut places = vec![0_u64; readers.len()];
         let columns = &self.header.columns;
         let error = columns.iter().position(|column| column.name == "error").unwrap_or(usize::MAX);
         let create = |file: &PathBuf| TableWriter::create(file, columns);
         let mut tables = tables.iter().map(create).collect::<Result<Vec<_>, _>>()?;
         let mut tally = RunCounts::default();
-        for (index, (log, entry)) in self.found.values().enumerate() {
+        let mut index = 0;
+        self.each_row(&mut |run, cells| {
+            tables.iter_mut().try_for_each(|table| table.row(&cells))?;
+            tally.done += 1;
+            if let Some(Cell::Text(reason)) = cells.get(error) {
+                tally.failed += 1;
+                tally.first_failed.get_or_insert_with(|| (run, reason.clone()));
+            }
+            if index % 1000 == 0 {
+                progress(index as f64 / self.found.len() as f64);
+            }
+            index += 1;
+            Ok(())
+        })?;
+        tables.into_iter().try_for_each(TableWriter::finish)?;
+        Ok(tally)
+    }
+
+    /// The table in memory.
+    ///
+    /// # Errors
+    /// [`SweepError`] where a log cannot be read.
+    pub fn table(&self) -> Result<Table, SweepError> {
+        let mut rows = Vec::new();
+        self.each_row(&mut |_, cells| {
+            rows.push(cells);
+            Ok(())
+        })?;
+        Ok(Table { columns: self.header.columns.clone(), rows })
+    }
+
+    /// Calls `act` with each finished run's number and row, in the order of runs.
+    fn each_row(
+        &self,
+        act: &mut dyn FnMut(u64, Vec<Cell>) -> Result<(), SweepError>,
+    ) -> Result<(), SweepError> {
+        let open = |file: &PathBuf| File::open(file).map(BufReader::new).map_err(at(file));
+        let mut readers = self.files.iter().map(open).collect::<Result<Vec<_>, _>>()?;
+        // Where each reader stands.
+        let mut places = vec![0_u64; readers.len()];
+        for (log, entry) in self.found.values() {
             let log = *log as usize;
             let away = entry.offset.wrapping_sub(places[log]).cast_signed();
             let mut text = vec![0; entry.length as usize];
@@ -150,18 +186,8 @@ impl GatheredLogs {
                 .map_err(at(&self.files[log]))?;
             places[log] = entry.offset + u64::from(entry.length);
             let line = String::from_utf8_lossy(&text);
-            let cells = read_row(&line, columns);
-            tables.iter_mut().try_for_each(|table| table.row(&cells))?;
-            tally.done += 1;
-            if let Some(Cell::Text(reason)) = cells.get(error) {
-                tally.failed += 1;
-                tally.first_failed.get_or_insert_with(|| (entry.run, reason.clone()));
-            }
-            if index % 1000 == 0 {
-                progress(index as f64 / self.found.len() as f64);
-            }
+            act(entry.run, read_row(&line, &self.header.columns))?;
         }
-        tables.into_iter().try_for_each(TableWriter::finish)?;
-        Ok(tally)
+        Ok(())
     }
 }

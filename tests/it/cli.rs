@@ -55,9 +55,9 @@ fn hertzscope(folder: &Path, arguments: &[&str]) -> Done {
 fn printed(folder: &Path, arguments: &[&str]) -> String {
     let done = hertzscope(folder, arguments);
     assert_eq!(done.code, 0, "{arguments:?}: {}", done.stderr);
-    // A quiet run names its recording there.
+    // A quiet run names its recording there if the user has not.
     let has = |words: &[&str]| arguments.iter().any(|argument| words.contains(argument));
-    let names = has(&["run"]) && has(&["-q", "--quiet"]) && !has(&["--json"]);
+    let names = has(&["run"]) && has(&["-q", "--quiet"]) && !has(&["--json", "-o", "--output"]);
     assert_eq!(done.stderr.starts_with("recording   "), names, "{arguments:?}: {}", done.stderr);
     assert!(names || done.stderr.is_empty(), "{arguments:?}: {}", done.stderr);
     done.stdout

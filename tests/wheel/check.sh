@@ -44,7 +44,7 @@ while read -r command; do
     $command > printed 2>&1 || { cat printed >&2; echo "check.sh: failed: $command" >&2; exit 1; }
     echo "$((SECONDS - started)) s  $command"
 done << 'COMMANDS'
-hertzscope paper --out paper
+hertzscope paper -o paper
 hertzscope tunability --plot map.png
 hertzscope hard-cases
 hertzscope cost --quiet

@@ -9,7 +9,7 @@ mod terminal;
 pub use svg::{Style, Theme, svg, svg_in_style, with_minus_signs};
 pub use terminal::terminal;
 
-use crate::quantity::engineering;
+use crate::quantity::{Quantity, engineering};
 use crate::trace::Trace;
 
 /// Units that take no prefix.
@@ -98,6 +98,20 @@ impl Axis {
         let ticks = (first..=last).map(|decade| (10f64.powi(decade), name(decade))).collect();
         let [from, to] = [first, last].map(|decade| 10f64.powi(decade));
         Self { label: label.to_owned(), from, to, logarithmic: true, ticks }
+    }
+
+    /// The same from `from` to `to` (unit), its numbers in a unit that fits them.
+    fn within(&self, (from, to): (f64, f64)) -> Self {
+        if self.logarithmic {
+            return Self::logarithmic(&self.label, from, to);
+        }
+        let parts = self.label.strip_suffix(')').and_then(|label| label.rsplit_once(" ("));
+        let Some((name, unit)) = parts else { return Self::linear(&self.label, from, to) };
+        // `µs` without its prefix.
+        let scale = |unit: &str| format!("1 {unit}").parse::<Quantity>().map(|one| one.value);
+        let bare: String = unit.chars().skip(1).collect();
+        let has_prefix = scale(unit).is_ok_and(|scale| scale != 1.0) && scale(&bare) == Ok(1.0);
+        Self::prefixed(name, if has_prefix { &bare } else { unit }, (from, to))
     }
 
     /// Position of `value` between both ends (1).
@@ -302,6 +316,44 @@ impl Sheet {
             legend: Vec::new(),
             note: String::new(),
         }
+    }
+
+    /// Gives all panels the abscissa that fits them all, if they show the same quantity.
+    pub fn share_abscissa(&mut self) {
+        let axes = || self.panels.iter().map(|panel| &panel.x);
+        let name = |axis: &Axis| axis.label.split(" (").next().unwrap_or_default().to_owned();
+        let Some(first) = axes().next() else { return };
+        if axes().all(|axis| name(axis) == name(first) && axis.logarithmic == first.logarithmic) {
+            let from = axes().map(|axis| axis.from).fold(f64::INFINITY, f64::min);
+            let to = axes().map(|axis| axis.to).fold(f64::NEG_INFINITY, f64::max);
+            let shared = first.within((from, to));
+            self.panels.iter_mut().for_each(|panel| panel.x = shared.clone());
+        }
+    }
+
+    /// Shows parts of the axes of all panels (unit); false for rows, maps, and a logarithmic axis
+    /// from zero or less.
+    pub fn show(&mut self, x: Option<(f64, f64)>, y: Option<(f64, f64)>) -> bool {
+        let fits = |axis: &Axis, range: Option<(f64, f64)>| {
+            range
+                .is_none_or(|(from, _)| !axis.label.is_empty() && (from > 0.0 || !axis.logarithmic))
+        };
+        let can = |panel: &Plot| panel.map.is_none() && fits(&panel.x, x) && fits(&panel.y, y);
+        if !self.panels.iter().all(can) {
+            return false;
+        }
+        for panel in &mut self.panels {
+            for (axis, range) in [(&mut panel.x, x), (&mut panel.y, y)] {
+                if let Some(range) = range {
+                    *axis = axis.within(range);
+                }
+            }
+            let is_shown = |axis: &Axis, at: f64| (0.0..=1.0).contains(&axis.share(at));
+            let Plot { x, y, words, beside, .. } = panel;
+            beside.retain(|(at, _)| is_shown(y, *at));
+            words.retain(|(at, height, _)| is_shown(x, *at) && is_shown(y, *height));
+        }
+        true
     }
 
     /// One plot with a height that its rows need.

@@ -26,6 +26,10 @@ const POINT: f64 = 0.0254 / 72.0;
 const ASPECT: f64 = 0.62;
 /// Narrowest frame (pixels).
 const MIN_FRAME: f64 = 120.0;
+/// Panels stand side by side if their frames are at least this wide (pixels).
+const MIN_COLUMN: f64 = 200.0;
+/// Narrower frames have their legend above them, and their title above that (pixels).
+const MIN_INNER_LEGEND: f64 = 320.0;
 /// Length of ticks with and without a name (pixels).
 const TICKS: (f64, f64) = (5.0, 3.0);
 /// Length of a piece of a series in a legend with the gap behind it (pixels).
@@ -279,12 +283,16 @@ struct Placed {
 
 impl Layout {
     fn of(sheet: &Sheet, style: &Style) -> Self {
-        let columns = sheet.columns.clamp(1, sheet.panels.len().max(1));
+        let mut columns = sheet.columns.clamp(1, sheet.panels.len().max(1));
         let (left, right) = side_margins(sheet);
         let (mut w, mut h) = sheet.size;
         if let Some(width) = style.width {
             let pixel = POINT * style.font_size / FONT_SIZE;
-            w = (width / pixel / columns as f64 - left - right).max(MIN_FRAME);
+            let frame = |columns: usize| width / pixel / columns as f64 - left - right;
+            if frame(columns) < MIN_COLUMN {
+                columns = 1;
+            }
+            w = frame(columns).max(MIN_FRAME);
             // A wide frame keeps the sheet's shape.
             let shaped = (w * sheet.size.1 / sheet.size.0).max(h.min(ASPECT * w));
             h = if is_of_rows(sheet) { h } else { shaped };
@@ -300,11 +308,17 @@ impl Layout {
             let is_new = |legend: &Vec<Series>| columns > 1 || *legend != shown;
             let has_legend: Vec<bool> = legends.iter().map(is_new).collect();
             let above = |((panel, legend), has): ((&Plot, &Vec<Series>), &bool)| {
-                let map = if panel.map.is_some() { LINE_HEIGHT } else { 0.0 };
+                let map = map_height(panel);
                 let legend: Vec<&Series> = legend.iter().filter(|_| *has).collect();
-                let rows = if panel.title.is_empty() { rows_of(&flow(&legend, w)) } else { 1.0 };
+                let rows = rows_of(&flow(&legend, w));
                 let marks = Drawing::named_marks(panel, w).len() as f64;
-                ABOVE + map.max(LINE_HEIGHT * rows) + LINE_HEIGHT * marks
+                let title = f64::from(u8::from(!panel.title.is_empty()));
+                let above = if has_inner_legend(panel, w) {
+                    LINE_HEIGHT
+                } else {
+                    map + LINE_HEIGHT * (rows + title)
+                };
+                ABOVE + above + LINE_HEIGHT * marks
             };
             let rooms = panels.iter().zip(&legends).zip(&has_legend).map(above);
             y += rooms.fold(ABOVE, f64::max);
@@ -332,6 +346,24 @@ fn flow(entries: &[&Series], width: f64) -> Vec<(f64, f64)> {
         place
     };
     entries.iter().map(place).collect()
+}
+
+/// Whether a panel's legend lies in its frame of this width (pixels).
+fn has_inner_legend(panel: &Plot, w: f64) -> bool {
+    !panel.title.is_empty() && w >= MIN_INNER_LEGEND
+}
+
+/// Height of the bar of a map's shades above its frame (pixels).
+fn map_height(panel: &Plot) -> f64 {
+    if panel.map.is_some() { LINE_HEIGHT } else { 0.0 }
+}
+
+/// `f1, the gap's lower edge: 7.1 kHz` as `f1: 7.1 kHz`.
+fn shortened(name: &str) -> String {
+    match (name.split_once(", "), name.rsplit_once(": ")) {
+        (Some((first, _)), Some((_, last))) => format!("{first}: {last}"),
+        _ => name.to_owned(),
+    }
 }
 
 /// Number of rows of a legend (1).
@@ -384,7 +416,8 @@ impl Drawing<'_> {
             "<clipPath id=\"c{clip}\"><rect width=\"{w}\" height=\"{h}\"/></clipPath>"
         ));
         let marks_height = self.marks_height();
-        pen.text((0.0, -9.0 - marks_height), "start", TEXT, &panel.title);
+        let below_title = if has_inner_legend(panel, *w) { 0.0 } else { self.legend_height() };
+        pen.text((0.0, -9.0 - marks_height - below_title), "start", TEXT, &panel.title);
         self.background(pen);
         self.axes(pen);
         pen.line(format_args!("<g clip-path=\"url(#c{clip})\">"));
@@ -415,11 +448,16 @@ impl Drawing<'_> {
         }
     }
 
-    /// Marks whose names are shown, from the left, each with its place (pixels).
-    fn named_marks(panel: &Plot, w: f64) -> Vec<(f64, &str)> {
-        let marks = panel.marks.iter().map(|(at, name)| (w * panel.x.share(*at), name.as_str()));
+    /// Marks whose names are shown, from the left, each with its place (pixels). Names that have no
+    /// room right of their line are shortened.
+    fn named_marks(panel: &Plot, w: f64) -> Vec<(f64, String)> {
+        let marks = panel.marks.iter().map(|(at, name)| (w * panel.x.share(*at), name));
         let shown = marks.filter(|(x, name)| (0.0..=w).contains(x) && !name.is_empty());
-        let mut shown: Vec<(f64, &str)> = shown.collect();
+        let fitting = |(x, name): (f64, &String)| {
+            let fits = x + 4.0 + text_width(name) <= w;
+            (x, if fits { name.clone() } else { shortened(name) })
+        };
+        let mut shown: Vec<(f64, String)> = shown.map(fitting).collect();
         shown.sort_by(|a, b| a.0.total_cmp(&b.0));
         shown
     }
@@ -437,6 +475,13 @@ impl Drawing<'_> {
             pen.rect((start - 2.0, y - 11.0), (text_width(name) + 2.0, 14.0), &ground);
             pen.text((start, y), "start", WORDS, name);
         }
+    }
+
+    /// Height of legend and shades above a frame that has no room for them (pixels).
+    fn legend_height(&self) -> f64 {
+        let entries = legend_entries(self.panel);
+        let entries: Vec<&Series> = entries.iter().filter(|_| self.has_legend).collect();
+        map_height(self.panel) + LINE_HEIGHT * rows_of(&flow(&entries, self.w))
     }
 
     /// Height of the marks' names above the frame (pixels).
@@ -574,12 +619,13 @@ impl Drawing<'_> {
     fn legend(&self, pen: &mut Pen) {
         let panel = self.panel;
         let entries = legend_entries(panel);
-        if panel.title.is_empty() {
+        if !has_inner_legend(panel, self.w) {
             let flowed: Vec<&Series> = entries.iter().collect();
             let places = flow(&flowed, self.w);
             let rows = rows_of(&places);
+            let below = self.marks_height() + map_height(panel);
             for (entry, (x, row)) in entries.iter().zip(&places) {
-                let y = -13.0 - self.marks_height() - LINE_HEIGHT * (rows - 1.0 - row);
+                let y = -13.0 - below - LINE_HEIGHT * (rows - 1.0 - row);
                 pen.legend_entry((*x, y), entry);
             }
             return;

@@ -11,6 +11,9 @@ const fn time_per_division(turn: TurnDirection) -> Action {
     Action::TimePerDivision { turn, anchor: 0.0 }
 }
 
+/// Lines of a panel that PgUp and PgDn move.
+const PAGE_LINES: usize = 10;
+
 /// Where a binding holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BindingScope {
@@ -143,10 +146,13 @@ const ANYWHERE: &[Binding] = &[
         "problems of the file and its log",
     ),
     binding(
-        (BindingScope::Panels, "↑ ↓ /"),
+        (BindingScope::Panels, "↑ ↓ PgUp PgDn /"),
         &[
-            (plain(KeyCode::Up), Action::Scroll(TurnDirection::Up)),
-            (plain(KeyCode::Down), Action::Scroll(TurnDirection::Down)),
+            (plain(KeyCode::Up), Action::Scroll(TurnDirection::Up, 1)),
+            (plain(KeyCode::Down), Action::Scroll(TurnDirection::Down, 1)),
+            (plain(KeyCode::PageUp), Action::Scroll(TurnDirection::Up, PAGE_LINES)),
+            (plain(KeyCode::PageDown), Action::Scroll(TurnDirection::Down, PAGE_LINES)),
+            (plain(KeyCode::Home), Action::Scroll(TurnDirection::Up, usize::MAX)),
             (letter('/'), Action::Search),
         ],
         "in a panel: scroll; search the keys",

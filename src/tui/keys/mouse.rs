@@ -22,7 +22,7 @@ pub fn mouse_action(
         _ => None,
     };
     if panel != Popup::Scope {
-        return wheel.map(|turn| Action::Scroll(turn.other()));
+        return wheel.map(|turn| Action::Scroll(turn.other(), 1));
     }
     let layout = layout?;
     let (x, y) = divisions(event, layout);

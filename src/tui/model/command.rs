@@ -7,6 +7,7 @@ use tui_input::Input;
 use super::knobs::BenchKnob;
 use super::screen_state::{Page, Request, ScreenState};
 use super::state::{BenchOption, Popup};
+use crate::quantity::engineering;
 use crate::scene::Scene;
 use crate::tui::axis::TurnDirection;
 use crate::tui::job::{Job, Queue};
@@ -247,6 +248,12 @@ impl ScreenState {
                 self.show_page(bench::PAGE);
                 let change = time - self.play.bench_time;
                 self.seek(change);
+                if let Some((start, end)) = self.film_span()
+                    && !(start..=end).contains(&time)
+                {
+                    let [start, end] = [start, end].map(|time| engineering(time, "s", 3));
+                    self.notice = Some(format!("the motion is recorded from {start} to {end}"));
+                }
             }
             Err(error) => {
                 self.notice =

@@ -23,6 +23,11 @@ impl ScreenState {
         self.strike();
     }
 
+    /// Whether a bench is in front, not a recording.
+    pub fn has_bench(&self) -> bool {
+        self.recordings.front().live.is_some()
+    }
+
     /// The bench; sets a notice where there is none.
     pub(super) fn bench(&mut self) -> Option<&mut LiveBench> {
         if self.recordings.front().live.is_none() {
@@ -55,8 +60,13 @@ impl ScreenState {
             self.notice = Some("bands off".to_owned());
             return;
         }
-        if self.bench().is_none_or(|live| live.served.is_some()) {
-            return;
+        match self.bench().map(|live| live.served.is_some()) {
+            Some(false) => {}
+            Some(true) => {
+                let words = "no bands of a served scope: view the scene itself";
+                return self.notice = Some(words.to_owned());
+            }
+            None => return,
         }
         self.jobs.live_bands = JobState::Busy(0.0);
         self.notice = Some("dotted: 95 % of the traces, by the scene's [uncertainty]".to_owned());

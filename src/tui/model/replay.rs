@@ -147,7 +147,10 @@ impl ScreenState {
     /// Shows the shot at `place`, counted from 0.
     pub(super) fn go_to(&mut self, place: usize) {
         if place >= self.shots() {
-            self.notice = Some(format!("there are {} shots", self.shots()));
+            self.notice = Some(match self.shots() {
+                1 => "there is one shot".to_owned(),
+                shots => format!("there are {shots} shots"),
+            });
             return;
         }
         if self.recordings.front().partial.is_some() {

@@ -31,7 +31,7 @@ pub enum Action {
     /// Open a panel, or close it when it is open.
     Toggle(Popup),
     /// Move the text of a panel.
-    Scroll(TurnDirection),
+    Scroll(TurnDirection, usize),
     /// Select another row of a list, so many rows up or down.
     Row(TurnDirection, usize),
     /// Press a channel's button, counted from 1: selects it and turns it on; if it is selected,

@@ -6,7 +6,7 @@ use super::state::RunState;
 use crate::quantity::Quantity;
 use crate::recording::TraceSet;
 use crate::scene::Scene;
-use crate::scope::Setup;
+use crate::scope::{Setup, TriggerMode};
 
 /// State and records received from a served scope.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,6 +45,11 @@ impl ScreenState {
         live.settings.clone_from(&update.settings);
         live.good = update.settings;
         live.base = update.base;
+        let mode = |served: &ServedScope| served.scope.as_ref().map(|scope| scope.trigger.mode);
+        let is_new = live.served.as_ref().and_then(mode).is_none();
+        if is_new && mode(&update.served) == Some(TriggerMode::Auto) {
+            self.notice = Some("the scope is in AUTO: after an impact it goes on with records without one; t (NORMAL) keeps it".to_owned());
+        }
         live.served = Some(update.served);
         let bench = |scene: &Scene| (scene.spec.clone(), scene.name.clone());
         let is_other = first.scene.as_ref().map(bench) != update.scene.as_ref().map(bench);

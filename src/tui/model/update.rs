@@ -24,7 +24,7 @@ pub fn update(model: &mut ScreenState, action: Action) {
         Action::Quit => model.running = false,
         Action::Back => back(model, was_asked),
         Action::Toggle(panel) => toggle(model, panel),
-        Action::Scroll(turn) => scroll(model, turn),
+        Action::Scroll(turn, lines) => scroll(model, turn, lines),
         Action::Row(turn, rows) => move_row(model, turn, rows),
         Action::Channel(number) => press(model, Source::Channel(number)),
         Action::Trace(source) => press(model, source),
@@ -169,10 +169,10 @@ fn toggle(model: &mut ScreenState, panel: Popup) {
     model.panel = if model.panel == panel { Popup::Scope } else { panel };
 }
 
-/// Moves a panel's text by a line; there is always a line left to see.
-fn scroll(model: &mut ScreenState, turn: TurnDirection) {
+/// Moves a panel's text by `lines`; there is always a line left to see.
+fn scroll(model: &mut ScreenState, turn: TurnDirection, lines: usize) {
     let last = match model.panel {
-        Popup::Scope | Popup::Prompt => return move_row(model, turn, 1),
+        Popup::Scope | Popup::Prompt => return move_row(model, turn, lines),
         Popup::Help | Popup::Search => {
             let groups = groups();
             let rows: usize = groups.iter().map(|(_, rows)| rows.len() + 2).sum();
@@ -184,7 +184,7 @@ fn scroll(model: &mut ScreenState, turn: TurnDirection) {
         }
     };
     model.scroll = match turn {
-        TurnDirection::Up => model.scroll.saturating_sub(1),
-        TurnDirection::Down => (model.scroll + 1).min(last),
+        TurnDirection::Up => model.scroll.saturating_sub(lines),
+        TurnDirection::Down => (model.scroll.saturating_add(lines)).min(last),
     };
 }

@@ -19,7 +19,7 @@ use crate::tui::view::colours::colour;
 use crate::tui::view::layout::ScreenLayout;
 use crate::tui::view::layout::whole;
 use crate::tui::view::panel::message;
-use crate::tui::view::readout::compact;
+use crate::tui::view::readout::spelled;
 
 /// Eighths of a cell, from nothing to full.
 const EIGHTHS: [&str; 9] = [" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"];
@@ -219,10 +219,10 @@ fn heading(
     let state = if model.is_playing() { "playing" } else { "paused" };
     let line = Line::from(vec![
         Span::styled("Forces along the chain  ", bold),
-        Span::raw(format!("t {} of {}  ", compact(now, "s", 4), compact(end, "s", 3))),
+        Span::raw(format!("t {} of {}  ", spelled(now, "s", 4), spelled(end, "s", 3))),
         Span::raw(format!(
             "to +{}, ▲ more  {state}, {} ms/s",
-            compact(film.scales.strongest, "N", 3),
+            spelled(film.scales.strongest, "N", 3),
             model.play.speed
         )),
     ]);
@@ -254,9 +254,9 @@ fn stripes_of(
         let label_style = if here { grey.add_modifier(Modifier::REVERSED) } else { grey };
         let inside = round.iter().find(|(_, time)| (from..to).contains(time));
         let label = match inside {
-            _ if here => compact(now, "s", 3),
-            Some((0, _)) => "0s".to_owned(),
-            Some((_, time)) => compact(*time, "s", 3),
+            _ if here => spelled(now, "s", 3),
+            Some((0, _)) => "0 s".to_owned(),
+            Some((_, time)) => spelled(*time, "s", 3),
             None => String::new(),
         };
         put(
@@ -298,8 +298,8 @@ fn bars_of(model: &ScreenState, film: &Film, now: f64, area: Rect, frame: &mut F
     let top = film.scales.strongest + pressed;
     let grey = Style::new().fg(colour(model.palette(), Color::Gray));
     let labels = Rect { width: LABEL_COLUMNS - 1, ..area };
-    put(frame.buffer_mut(), labels, area.y, &compact(top, "N", 3), grey);
-    put(frame.buffer_mut(), labels, area.bottom() - 1, "0N", grey);
+    put(frame.buffer_mut(), labels, area.y, &spelled(top, "N", 3), grey);
+    put(frame.buffer_mut(), labels, area.bottom() - 1, "0 N", grey);
     let style = Style::new().fg(colour(model.palette(), Color::Yellow));
     for column in 0..width {
         let Some((_, trace)) = film.contacts.get(contact_at(column, width, film.contacts.len()))

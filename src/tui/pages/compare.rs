@@ -24,7 +24,7 @@ use crate::tui::view::colours::{colour, colour_of};
 use crate::tui::view::diagram::{Diagram, DiagramAxis};
 use crate::tui::view::layout::ScreenLayout;
 use crate::tui::view::panel::message;
-use crate::tui::view::readout::compact;
+use crate::tui::view::readout::spelled;
 
 /// The page.
 pub const PAGE: Page = Page(&PageSpec {
@@ -200,10 +200,10 @@ fn verdict(model: &ScreenState, compared: &Compared) -> Line<'static> {
     let tint = colour(model.palette(), if passed { Color::LightGreen } else { Color::LightRed });
     let shift = comparison
         .shift_u_s
-        .map_or_else(String::new, |u| format!(" ± {}", compact(NORMAL_95 * u, "s", 2)));
+        .map_or_else(String::new, |u| format!(" ± {}", spelled(NORMAL_95 * u, "s", 2)));
     let shifted = format!(
         "  shifted {}{shift} by {}  ",
-        compact(comparison.shift_s, "s", 4),
+        spelled(comparison.shift_s, "s", 4),
         comparison.align
     );
     Line::from(vec![
@@ -289,33 +289,32 @@ fn difference(
     sheet.line(points(&residual), colour(model.palette(), Color::LightRed));
     sheet.draw(colour(model.palette(), Color::Gray), frame);
     let newtons =
-        score.rms_n.map_or_else(String::new, |rms| format!(" = {}", compact(rms, "N", 3)));
+        score.rms_n.map_or_else(String::new, |rms| format!(" = {}", spelled(rms, "N", 3)));
     let text = format!(
         "difference: rms {} = {:.2} LSB{newtons}, largest {} = {:.1} LSB",
-        compact(score.rms, &score.unit, 3),
+        spelled(score.rms, &score.unit, 3),
         score.rms_lsb,
-        compact(score.max, &score.unit, 3),
+        spelled(score.max, &score.unit, 3),
         score.max_lsb
     );
     sheet.write((residual.start, high), &text, Style::new(), frame);
 }
 
 fn percent(error: Option<Uncertain>) -> String {
-    let text = |e: Uncertain| format!("{:+.2}±{:.2}%", 100.0 * e.value, 100.0 * e.expanded());
-    error.map_or("-".to_owned(), text)
+    error.map_or("-".to_owned(), crate::report::signed_percent)
 }
 
 fn row(score: &ChannelScore) -> String {
-    let arrival = score.arrival_error_s.map_or("-".to_owned(), |e| compact(e.value, "s", 3));
-    let force = score.rms_n.map_or("-".to_owned(), |rms| compact(rms, "N", 3));
+    let arrival = score.arrival_error_s.map_or("-".to_owned(), |e| spelled(e.value, "s", 3));
+    let force = score.rms_n.map_or("-".to_owned(), |rms| spelled(rms, "N", 3));
     format!(
-        "{:<5}{:<7}{:>7.4}{:>15}{:>9}{:>9}{:>7.2}{:>8}{:>8.4}",
+        "{:<5}{:<7}{:>7.4}{:>17}{:>10}{:>10}{:>7.2}{:>9}{:>8.4}",
         score.name,
         score.against,
         score.gain.value,
         percent(score.peak_error),
         arrival,
-        compact(score.rms, &score.unit, 3),
+        spelled(score.rms, &score.unit, 3),
         score.rms_lsb,
         force,
         score.correlation.unwrap_or(f64::NAN),
@@ -330,7 +329,7 @@ fn table_of(
 ) {
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let head = format!(
-        "{:<5}{:<7}{:>7}{:>15}{:>9}{:>9}{:>7}{:>8}{:>8}",
+        "{:<5}{:<7}{:>7}{:>17}{:>10}{:>10}{:>7}{:>9}{:>8}",
         "", "against", "gain", "peak", "arrival", "rms", "LSB", "rms", "corr."
     );
     let mut lines = vec![Line::styled(head, bold)];

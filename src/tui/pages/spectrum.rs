@@ -11,6 +11,7 @@ use crate::analysis::spectrum::{Analyser, Spectrum, SpectrumSettings, Window};
 use crate::analysis::time_frequency::{Pieces, Spectrogram};
 use crate::measurement::metadata;
 use crate::recording::Capture;
+use crate::report::spectrum::shown_end;
 use crate::trace::Trace;
 use crate::tui::axis::{DIVISIONS_ACROSS, PRESSES_PER_DIVISION, Steps, TurnDirection};
 use crate::tui::model::{Action, DerivedPart, Page, PageSpec, Palette, ScreenState};
@@ -19,7 +20,7 @@ use crate::tui::view::colours::{colour, colour_of};
 use crate::tui::view::diagram::{Diagram, DiagramAxis};
 use crate::tui::view::layout::ScreenLayout;
 use crate::tui::view::panel::message;
-use crate::tui::view::readout::compact;
+use crate::tui::view::readout::spelled;
 
 /// Decibels from the top of the page to its bottom (dB).
 const DECIBEL_RANGE: f64 = 80.0;
@@ -27,11 +28,6 @@ const DECIBEL_RANGE: f64 = 80.0;
 const DECIBELS_PER_TONE: f64 = 10.0;
 /// Tones of the map, from little to much.
 const TONES: [&str; 5] = [" ", "░", "▒", "▓", "█"];
-
-/// Beyond the highest band edge so much more is shown (1).
-const BAND_MARGIN: f64 = 1.4;
-/// Without band edges this share of what was sampled (1).
-const SHOWN_SHARE: f64 = 0.25;
 
 /// Spectra of records longer than this are made of every second, third, ... sample: a terminal
 /// shows no more.
@@ -166,13 +162,18 @@ impl ScreenState {
         Some(spectrum.step * spectrum.amplitude.len() as f64)
     }
 
-    /// Lowest and highest frequency on screen, by default up to a little beyond the chain's highest
-    /// band edge (Hz).
+    /// Lowest and highest frequency on screen (Hz), by default those of the picture that the
+    /// command `spectrum` draws.
     pub fn band(&self) -> Option<(f64, f64)> {
         let sampled = self.highest()?;
         let chain = self.derived().chain.as_ref();
-        let whole = chain
-            .map_or(SHOWN_SHARE * sampled, |chain| (BAND_MARGIN * chain.cutoff()).min(sampled));
+        let whole = match self.page {
+            Some(page) if page == MAP => {
+                shown_end(&self.derived().map.as_ref()?.as_ref().ok()?.columns, chain)
+            }
+            _ => shown_end([self.shown_spectrum()?], chain),
+        }
+        .min(sampled);
         // What was chosen for another trace may lie beyond this one's.
         let chosen = self.band.filter(|(_, high)| *high <= sampled * (1.0 + 1e-9));
         Some(chosen.unwrap_or((0.0, whole)))
@@ -229,7 +230,7 @@ fn heading_of(model: &ScreenState, what: &str) -> Line<'static> {
         Some(chain) => {
             let gap = Style::new().fg(colour(model.palette(), Color::LightRed));
             for (name, edge) in chain.edges() {
-                parts.push(Span::styled(format!("{name} {}  ", compact(edge, "Hz", 4)), gap));
+                parts.push(Span::styled(format!("{name} {}  ", spelled(edge, "Hz", 4)), gap));
             }
             let zoomed = model.is_band_zoomed();
             parts.push(Span::raw(match (zoomed, chain.has_gap()) {
@@ -330,7 +331,7 @@ fn draw_map(model: &ScreenState, layout: &ScreenLayout, frame: &mut Frame) {
             put(frame.buffer_mut(), inner, y, &line, edge);
         }
     }
-    let words = ["Spectrum over time, 10 dB a tone, of", "10 dB a tone,"];
+    let words = ["Spectrum over time, 10 dB per shade, of", "10 dB/shade,"];
     let head = heading(model, words, area.width);
     frame.render_widget(head, Rect { height: 1, ..area });
 }

@@ -8,7 +8,7 @@ use ratatui::widgets::canvas::{Painter, Shape};
 use super::colours::{colour, colour_of};
 use super::layout::ScreenLayout;
 use super::layout::dot_of_division;
-use super::readout::{compact, spaced, width};
+use super::readout::{spaced, spelled, width};
 use crate::tui::axis::DIVISIONS_ACROSS;
 use crate::tui::model::{CursorKind, ScreenState};
 
@@ -83,27 +83,27 @@ pub(in crate::tui) fn readout(
         "df"
     };
     let mut parts = vec![Span::styled(
-        format!("{name} {}", compact(reading.difference, unit, CURSOR_DIGITS)),
+        format!("{name} {}", spelled(reading.difference, unit, CURSOR_DIGITS)),
         bold,
     )];
     parts.extend(
-        reading.rate.map(|rate| Span::raw(format!("1/dt {}", compact(rate, "Hz", CURSOR_DIGITS)))),
+        reading.rate.map(|rate| Span::raw(format!("1/dt {}", spelled(rate, "Hz", CURSOR_DIGITS)))),
     );
     if let [Some(first), Some(second)] = reading.values {
-        let difference = compact(second - first, &reading.value_unit, CURSOR_DIGITS);
+        let difference = spelled(second - first, &reading.value_unit, CURSOR_DIGITS);
         parts.push(Span::styled(format!("dV {difference}"), bold));
     }
     parts.extend(reading.speed.map(|speed| {
         let style = bold.fg(colour(model.palette(), Color::LightGreen));
-        Span::styled(format!("speed {}", compact(speed, "m/s", CURSOR_DIGITS)), style)
+        Span::styled(format!("speed {}", spelled(speed, "m/s", CURSOR_DIGITS)), style)
     }));
     let pair = model.cursors().pair.into_iter().flatten();
     for (index, (cursor, value)) in pair.zip(reading.values).enumerate() {
         let mark = if index == model.cursors().active { "▸" } else { "" };
         let value =
-            value.map_or_else(String::new, |v| format!(" {}", compact(v, &reading.value_unit, 3)));
+            value.map_or_else(String::new, |v| format!(" {}", spelled(v, &reading.value_unit, 3)));
         let text =
-            format!("{mark}{} {}{value}", cursor.source, compact(cursor.at, unit, CURSOR_DIGITS));
+            format!("{mark}{} {}{value}", cursor.source, spelled(cursor.at, unit, CURSOR_DIGITS));
         let style = Style::new().fg(colour_of(model.palette(), cursor.source));
         parts.push(Span::styled(text, style));
     }

@@ -7,7 +7,7 @@ use ratatui::symbols::Marker;
 use ratatui::widgets::canvas::{Canvas, Painter, Shape};
 
 use super::axes::put;
-use super::readout::{compact, digits_for};
+use super::readout::{digits_for, spelled};
 use crate::tui::axis::Steps;
 
 /// Columns for the labels of the ordinate.
@@ -73,9 +73,9 @@ impl DiagramAxis {
         }
         let span = if self.logarithmic { value } else { (self.high - self.low) / 10.0 };
         if value.abs() < 1e-9 * span {
-            format!("0{}", self.unit)
+            format!("0 {}", self.unit).trim_end().to_owned()
         } else {
-            compact(value, &self.unit, digits_for(value, span))
+            spelled(value, &self.unit, digits_for(value, span))
         }
     }
 }

@@ -12,7 +12,7 @@ use super::colours::{colour, colour_of};
 use super::layout::ScreenLayout;
 use crate::quantity::engineering;
 use crate::recording::Capture;
-use crate::scope::{PointFormat, Slope, Source, Waveform};
+use crate::scope::{PointFormat, Slope, Source, TriggerMode, Waveform};
 use crate::tui::axis::{Vertical, is_spectrum};
 pub(in crate::tui) use crate::tui::model::ordinate_unit;
 use crate::tui::model::{MathMode, ScreenState, Visibility};
@@ -24,15 +24,20 @@ const MAX_DIGITS: usize = 8;
 /// Between two readings.
 pub(in crate::tui) const READING_GAP: &str = "  ";
 
-/// A number as the instrument writes it: `500mV`, `1.00ms`; decibels without a prefix.
-pub(in crate::tui) fn compact(value: f64, unit: &str, digits: usize) -> String {
+/// A number as commands print it: `500 mV`, `1.00 ms`; decibels without a prefix.
+pub(in crate::tui) fn spelled(value: f64, unit: &str, digits: usize) -> String {
     if unit == "dB" {
         let before = usize::try_from(exponent(value) + 1).unwrap_or(0).max(1);
         let decimals = digits.saturating_sub(before);
-        format!("{value:.decimals$}{unit}")
+        format!("{value:.decimals$} {unit}")
     } else {
-        engineering(value, unit, digits).replace(' ', "")
+        engineering(value, unit, digits)
     }
+}
+
+/// A setting or a label as the instrument writes it: `500mV`, `1.00ms`.
+pub(in crate::tui) fn compact(value: f64, unit: &str, digits: usize) -> String {
+    spelled(value, unit, digits).replace(' ', "")
 }
 
 /// How many digits tell `value` from `value + scale / 10`.
@@ -126,14 +131,19 @@ pub(in crate::tui) fn channels(model: &ScreenState, layout: &ScreenLayout, frame
     frame.render_widget(base, area);
 }
 
-/// The trigger as the instrument writes it, `CH1 ↑ 500mV`; none where no scene tells it.
+/// The trigger as the instrument writes it, and its mode: `CH1↑500mV auto`; none where no scene
+/// has it.
 fn trigger(model: &ScreenState) -> Option<String> {
     let trigger = model.scope()?.trigger;
     let edge = match trigger.slope {
         Slope::Rise => '↑',
         Slope::Fall => '↓',
     };
-    Some(format!("{}{edge}{}", trigger.source, compact(trigger.level, "V", DIGITS)))
+    let mode = match trigger.mode {
+        TriggerMode::Auto => "auto",
+        TriggerMode::Normal => "normal",
+    };
+    Some(format!("{}{edge}{} {mode}", trigger.source, compact(trigger.level, "V", DIGITS)))
 }
 
 /// `CH1 500mV`, with a star where the scale is not the recorded one.

@@ -10,8 +10,9 @@ use ratatui::widgets::{Block, Borders, Clear, Paragraph};
 use super::colours::colour_of;
 use super::layout::{SIDE_WIDTH, ScreenLayout};
 use super::panel::wrapped;
-use super::readout::compact;
+use super::readout::spelled;
 use crate::measurement::arrivals::{SpeedBetween, Survey};
+use crate::report::with_expanded;
 use crate::tui::model::knobs::BenchKnob;
 use crate::tui::model::{LiveBench, ScreenState, SidePanel};
 
@@ -61,7 +62,7 @@ fn measurements(model: &ScreenState) -> Vec<Line<'static>> {
         model.selected().map_or_else(|| "no trace".to_owned(), |c| c.waveform.source.to_string());
     let mut lines = vec![heading(model, name)];
     for reading in &derived.readings {
-        let value = reading.value.map_or_else(|| "?".to_owned(), |v| compact(v, &reading.unit, 4));
+        let value = reading.value.map_or_else(|| "?".to_owned(), |v| spelled(v, &reading.unit, 4));
         lines.push(pair(reading.name, &value));
     }
     if let Some(survey) = &derived.survey {
@@ -71,7 +72,7 @@ fn measurements(model: &ScreenState) -> Vec<Line<'static>> {
 }
 
 fn with_u(value: Uncertain, unit: &str) -> String {
-    format!("{} ±{}", compact(value.value, unit, 4), compact(value.expanded(), unit, 2))
+    with_expanded(value.value, value.expanded(), unit)
 }
 
 /// The selected channel's first pulse, and the speeds between all.
@@ -93,7 +94,7 @@ fn arrivals(model: &ScreenState, survey: &Survey, lines: &mut Vec<Line<'static>>
         ));
     }
     for speed in speeds {
-        let value = format!("{:.2} ±{:.2} m/s", speed.m_per_s.value, speed.m_per_s.expanded());
+        let value = with_u(speed.m_per_s, "m/s");
         let ends = format!("{}-{}", speed.from, speed.to);
         lines.push(Line::raw(format!("{ends:<PAIR_WIDTH$}{value}")));
     }
@@ -135,7 +136,7 @@ fn cost_text(live: &LiveBench) -> Vec<Line<'static>> {
     let accuracy = summary.accuracy.map_or_else(|| "-".to_owned(), |a| format!("{a:.0e}"));
     let mut lines = vec![
         Line::styled(if live.is_waiting() { "run (next on its way)" } else { "run" }, bold),
-        pair(&format!("{} steps", summary.steps), &compact(summary.wall_s, "s", 3)),
+        pair(&format!("{} steps", summary.steps), &spelled(summary.wall_s, "s", 3)),
         pair("accuracy", &accuracy),
         pair("energy drift", &format!("{:.1e}", summary.energy.drift)),
     ];

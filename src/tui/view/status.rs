@@ -195,7 +195,10 @@ pub(in crate::tui) fn hints(model: &ScreenState, layout: &ScreenLayout, frame: &
     let others = if model.recordings.behind().next().is_some() { RECORDING_HINTS } else { &[] };
     let hints = model.page.map_or(TRACE_HINTS, |page| page.0.hints);
     let (first, rest) = hints.split_at(FIRST_HINTS);
-    for (keys, what) in first.iter().chain(others).chain(knobs).chain(rest) {
+    // A recording has no knobs.
+    let is_offered = |(_, what): &&(&str, &str)| *what != "knob" || model.has_bench();
+    let all = first.iter().chain(others).chain(knobs).chain(rest);
+    for (keys, what) in all.filter(is_offered) {
         parts.push(Span::styled(format!("{keys} {what}"), grey));
         if width(&parts) > room + READING_GAP.len() {
             parts.pop();

@@ -51,7 +51,7 @@ fn plane_waves_are_found() {
 fn the_linear_chain_lies_on_its_branches() {
     let scene = Scene::load("linear-300-cells").expect("a scene");
     let chain = metadata::cell(&scene, Site::Particle(2)).expect("a cell");
-    let contacts = metadata::cells(&scene, 2).expect("cells");
+    let contacts = metadata::cells(&scene, 2, 2).expect("cells");
     assert!(contacts.len() >= 299, "{}", contacts.len());
     let film = Grid { start: 0.0, interval: 20e-6 };
     let method = Method::DormandElMikkawyPrince86 { tolerance: 1e-9 };
@@ -155,4 +155,49 @@ fn the_command_draws_waves_on_branches() {
     hertzscope(&["dispersion", "no-such.mcap"]).code(2);
     let csv = concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml");
     hertzscope(&["dispersion", csv]).code(2);
+}
+
+/// Sixty equal steel balls under 20 N, struck softly: `f = sqrt(k/m)/pi sin(k a/2)` from bead to
+/// bead (L. Brillouin, "Wave Propagation in Periodic Structures"), `k = 3/2 F/delta` of Hertz's law
+/// with the numbers of this scene, by hand.
+#[test]
+fn equal_beads_have_one_branch() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let scene = "title = \"equal\"\nduration = \"2 ms\"\nseed = 1\n\
+        [materials.steel]\ndensity = \"7800 kg/m^3\"\nyoungs_modulus = \"200 GPa\"\n\
+        poissons_ratio = 0.3\n\
+        [particles.ball]\nmaterial = \"steel\"\ndiameter = \"10 mm\"\n\
+        [chain]\norientation = \"lying\"\ntop = { force = \"20 N\" }\nbottom = { wall = \"steel\" }\n\
+        segments = [{ particles = [\"ball\"], repeat = 60 }]\n\
+        [striker]\nmaterial = \"steel\"\ndiameter = \"10 mm\"\nspeed = \"5 mm/s\"\n";
+    std::fs::write(path("equal.toml"), scene).expect("a scene");
+    let (recording, picture) = (path("equal.mcap"), path("equal.svg"));
+    hertzscope(&["run", &path("equal.toml"), "-q", "-o", &recording]).success();
+    let told = hertzscope(&["dispersion", &recording, "--json", "--plot", &picture]).success();
+    let told: Value = serde_json::from_slice(&told.get_output().stdout).expect("JSON");
+    let (radius, force): (f64, f64) = (5e-3, 20.0);
+    let mass = 7800.0 * 4.0 / 3.0 * PI * radius.powi(3);
+    // F = 4/3 E* sqrt(R/2) delta^1.5 with E* = E/(2 (1 - nu^2)).
+    let stiffness = 4.0 / 3.0 * 200e9 / (2.0 * (1.0 - 0.09)) * (0.5 * radius).sqrt();
+    let overlap = (force / stiffness).powf(2.0 / 3.0);
+    let highest = (1.5 * force / overlap / mass).sqrt() / PI;
+    println!("highest by hand {highest}, found {}", told["f3_hz"]);
+    assert!((told["f3_hz"].as_f64().expect("f3") / highest - 1.0).abs() < 1e-6);
+    assert_eq!(told["beads_per_cell"], 1);
+    let cell = told["cell_m"].as_f64().expect("a length");
+    assert!((cell - (2.0 * radius - overlap)).abs() < 1e-9, "{cell}");
+    // Resolutions of 500 Hz and 2 pi/59; a strong line lies within a fifth of the first.
+    let lines = told["lines"].as_array().expect("lines").iter();
+    let number = |line: &Value, key: &str| line[key].as_f64().expect("a number");
+    let strong = lines.filter(|line| number(line, "height") > 0.3 && line["onward"] == true);
+    let strong: Vec<&Value> = strong.filter(|line| number(line, "phase_rad") > 0.3).collect();
+    assert!(strong.len() > 10, "{strong:?}");
+    for line in strong {
+        let theory = highest * (0.5 * number(line, "phase_rad")).sin();
+        assert!((number(line, "theory_hz") / theory - 1.0).abs() < 1e-6, "{line}");
+        assert!((number(line, "frequency_hz") - theory).abs() < 100.0, "{line} of {theory}");
+    }
+    let drawn = std::fs::read_to_string(&picture).expect("a picture");
+    assert!(drawn.contains("theory, equal beads") && !drawn.contains("optical"));
 }

@@ -346,6 +346,15 @@ fn plain_tables_for_other_programs() {
     printed(path, &["convert", "-q", "run.mcap", "truth.csv", "--truth"]);
     let truth = std::fs::read_to_string(path.join("truth.csv")).expect("a table");
     assert!(truth.starts_with("time_s,CH1_V,CH2_V,CH3_V,CH4_V,truth_p2_N,"), "{}", &truth[..80]);
+    // The striker and 38 particles, of which the last lies on the wall: 39 bodies, 39 contacts.
+    printed(path, &["convert", "-q", "run.mcap", "all.csv", "--truth=all"]);
+    let all = std::fs::read_to_string(path.join("all.csv")).expect("a table");
+    let heading = all.lines().next().expect("a heading");
+    let count = |what: &str| heading.split(',').filter(|name| name.contains(what)).count();
+    assert_eq!((count("truth_contact"), count("truth_bead")), (39, 39), "{heading}");
+    let row: Vec<&str> = all.lines().nth(1500).expect("a row").split(',').collect();
+    assert_eq!(row.len(), 1 + 4 + 4 + 39 + 39);
+    assert!(row.iter().all(|cell| cell.parse::<f64>().is_ok_and(f64::is_finite)), "{row:?}");
 }
 
 /// Nothing is replaced that was not named with `-o`, unless `--force` says so.

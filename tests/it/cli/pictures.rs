@@ -156,3 +156,25 @@ fn paper_fills_a_folder() {
     assert_eq!(done.code, 2, "{}", done.stderr);
     says(&done.stderr, &["2", "3..=13"]);
 }
+
+/// `--x-range` and `--y-range` show a part of the axes, with a prefix that fits it; rows, maps and
+/// what is no range are refused.
+#[test]
+fn axes_show_the_part_asked_for() {
+    let folder = temporary();
+    let part = ["--x-range", "-20 us..80 us", "--y-range", "-5 mV .. 5 mV"];
+    printed(folder.path(), &[&["run", "-q", "--plot", "part.svg"][..], &part, &QUICK].concat());
+    let svg = std::fs::read_to_string(folder.path().join("part.svg")).expect("an SVG");
+    says(&svg, &[">time after the trigger (µs)<", ">−20<", ">80<", ">CH1 (mV)<", ">−4<", ">4<"]);
+    assert!(!svg.contains(">100<"), "{svg}");
+    for (arguments, expected) in [
+        (
+            &["bands", "--plot", "x.svg", "--x-range", "5 N..1 N"][..],
+            "from the lower to the higher",
+        ),
+        (&["bands", "--plot", "x.svg", "--x-range", "0 N..1 N"], "expected one of curves"),
+        (&["effects", "--plot", "x.svg", "--y-range", "0..1"], "expected one of curves"),
+    ] {
+        says(&refused(folder.path(), arguments), &[expected]);
+    }
+}

@@ -77,6 +77,11 @@ fn two_plates_in_one_particle_are_told_by_their_names() {
     let ends: Vec<(&str, &str)> =
         found.decays.iter().map(|decay| (decay.from.as_str(), decay.to.as_str())).collect();
     assert_eq!(ends, [("CH1", "CH4"), ("CH1", "CH2")], "spheres with spheres: {:?}", found.decays);
-    let finite = |rate: Option<f64>| rate.is_some_and(|rate| rate.is_finite() && rate > 0.0);
-    assert!(found.decays.iter().all(|decay| finite(decay.per_metre)), "{:?}", found.decays);
+    // By hand: u(ln r / d) = u(r)/(r d) for distances without uncertainty, and d = -ln r / rate.
+    for decay in &found.decays {
+        let rate = decay.per_metre.expect("a rate");
+        let distance = -decay.ratio.value.ln() / rate.value;
+        let u = decay.ratio.u / decay.ratio.value / distance;
+        assert!(rate.value > 0.0 && distance > 0.0 && u <= rate.u * 1.0001, "{decay:?}");
+    }
 }

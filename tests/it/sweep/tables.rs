@@ -1,6 +1,6 @@
 //! The formats of the results hold the same.
 
-use super::{column, done, folder, read};
+use super::{column, done, folder, read, told};
 
 /// Text with commas and quotes, missing numbers, small and large ones.
 const MIXED: &str = r#"
@@ -81,4 +81,45 @@ fn number(line: &str, name: &str) -> f64 {
     let (_, rest) = line.split_once(&format!("\"{name}\":")).expect(name);
     let end = rest.find([',', '}']).expect("its end");
     rest[..end].trim().parse().expect("a number")
+}
+
+/// Points of the picture are the table's: between first and last they lie at the same shares, and
+/// each value of the other parameter has a line. Columns that do not exist are refused before the
+/// runs.
+#[test]
+fn a_picture_shows_columns_of_the_table() {
+    let there = folder(
+        "scene = \"magnet-0.61g\"\naccuracy = 1e-2\nwatch = [\"p2\"]\n[grid]\nduration = \"0.1 ms\"\n\
+         striker.speed = { from = \"0.2 m/s\", to = \"0.8 m/s\", count = 5 }\n\
+         effects.magnet_preload.force = [\"1 N\", \"3 N\"]\n",
+    );
+    let plot = ["sweep", "grid.toml", "-q", "--plot", "s.svg", "--x", "striker.speed"];
+    let (code, _, words) = told(there.path(), &[&plot[..], &["--y", "p2.size"]].concat());
+    assert!(code == 2 && words.contains("p2.size") && words.contains("p2.peak"), "{words}");
+    assert!(!there.path().join("grid.csv").exists());
+    done(there.path(), &plot);
+    let svg = std::fs::read_to_string(there.path().join("s.svg")).expect("an SVG");
+    for words in ["striker.speed (m/s)", "p2.peak (N)", "effects.magnet_preload.force 1.000 N"] {
+        assert!(svg.contains(words), "{words}: {svg}");
+    }
+    let table = read(there.path(), "grid.csv");
+    let forces = column(&table, "effects.magnet_preload.force (N)");
+    let peaks = column(&table, "p2.peak (N)").into_iter().zip(forces);
+    let peaks: Vec<f64> = peaks
+        .filter(|(_, force)| force == "1")
+        .map(|(peak, _)| peak.parse().expect("a number"))
+        .collect();
+    let path = svg.lines().find(|line| line.contains("stroke=\"#0072b2\" stroke-width=\"1.3\""));
+    let path = path.and_then(|line| line.split_once("d=\"M")?.1.split('"').next()).expect("a line");
+    let heights: Vec<f64> = path
+        .split('L')
+        .map(|point| point.split_once(' ').expect("a point").1.parse().expect("a number"))
+        .collect();
+    assert_eq!((heights.len(), peaks.len()), (5, 5));
+    let share = |values: &[f64], at: usize| (values[at] - values[0]) / (values[4] - values[0]);
+    for at in 1..4 {
+        // Places are rounded to a tenth of a pixel, of about two hundred.
+        let (drawn, told) = (share(&heights, at), share(&peaks, at));
+        assert!((drawn - told).abs() < 2e-3, "{drawn} {told}");
+    }
 }

@@ -215,7 +215,7 @@ fn every_action_is_harmless_without_a_trace() {
         Action::Pan(TurnDirection::Up),
         Action::Shot(TurnDirection::Up),
         Action::Shot(TurnDirection::Down),
-        Action::Scroll(TurnDirection::Down),
+        Action::Scroll(TurnDirection::Down, 1),
         Action::Reset,
     ];
     for set in [TraceSet::default(), recording(vec![vec![]])] {

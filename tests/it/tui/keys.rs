@@ -73,7 +73,7 @@ fn letting_go_of_a_key_does_nothing() {
 #[test]
 fn in_a_panel_arrows_scroll_and_scope_keys_rest() {
     let key = |code| key_action(KeyEvent::new(code, KeyModifiers::NONE), Popup::Log, None);
-    assert_eq!(key(KeyCode::Down), Some(Action::Scroll(TurnDirection::Down)));
+    assert_eq!(key(KeyCode::Down), Some(Action::Scroll(TurnDirection::Down, 1)));
     assert_eq!(key(KeyCode::Char('1')), None);
     assert_eq!(key(KeyCode::Char('q')), Some(Action::Quit));
 }
@@ -115,7 +115,7 @@ fn the_wheel_zooms_around_the_pointer() {
     assert_eq!(action(3, 10), None, "left of the graticule");
     assert_eq!(
         mouse_action(wheel(3, 10), Popup::Help, Some(&layout)),
-        Some(Action::Scroll(TurnDirection::Up))
+        Some(Action::Scroll(TurnDirection::Up, 1))
     );
 }
 

@@ -69,7 +69,7 @@ fn volt_cursors_tell_the_difference() {
     // Two divisions of 500 mV to either side.
     assert!((reading.difference - 2.0).abs() < 1e-12, "{reading:?}");
     assert_eq!(reading.unit, "V");
-    assert!(draw(&model, 80, 24).row(21).starts_with("dV 2.000V"));
+    assert!(draw(&model, 80, 24).row(21).starts_with("dV 2.000 V"));
     assert!(after(model, &[Action::Cursors]).cursor_reading().is_none());
 }
 
@@ -169,23 +169,28 @@ fn spectra_are_zoomed_and_moved() {
         after(model, actions)
     };
     let band = |model: &ScreenState| model.band().expect("frequencies");
-    // A microsecond between samples: up to 500 kHz, of which a quarter is shown.
-    let whole = band(&spectra(&[]));
-    assert!(whole.0 == 0.0 && (whole.1 / 125e3 - 1.0).abs() < 0.01, "{whole:?}");
+    // A microsecond between samples: up to 500 kHz. Shown is 1.1 times the last amplitude above 1 %
+    // of the highest: side lobes of a tone fall as 1/(pi x), x in resolutions, to 1 % at 32, and
+    // those of the negative frequency, 40 kHz away, add or take a third of that.
+    let model = spectra(&[]);
+    let whole = band(&model);
+    let resolution = model.derived().spectrum.clone().expect("asked").expect("one").resolution;
+    let lobes = (whole.1 / 1.1 - 20e3) / resolution;
+    assert!(whole.0 == 0.0 && (20.0..50.0).contains(&lobes), "{whole:?}: {lobes}");
     let anchor = 10.0 * 20e3 / whole.1 - 5.0;
     let zoom = |turn| Action::TimePerDivision { turn, anchor };
-    let closer = spectra(&[zoom(TurnDirection::Down); 4]);
+    let closer = spectra(&[zoom(TurnDirection::Down); 2]);
     let (low, high) = band(&closer);
     assert!((0.5e3..1.1e3).contains(&((high - low) / 10.0)), "{low} to {high}");
     assert!(((20e3 - low) / (high - low) * 10.0 - 5.0 - anchor).abs() < 1e-9, "{low} to {high}");
     // The tone's line stands where its label says: in the column of 20 kHz.
     let screen = draw(&closer, 80, 24);
-    let (label, _) = screen.find("20.0kHz");
+    let (label, _) = screen.find("20.0 kHz");
     let yellow =
         (9..80).filter(|x| screen.rows_of(*x, Color::Yellow).first().is_some_and(|y| *y < 4));
     let columns: Vec<u16> = yellow.collect();
     assert!(
-        columns.iter().all(|x| x.abs_diff(label + 3) <= 2) && !columns.is_empty(),
+        columns.iter().all(|x| x.abs_diff(label + 4) <= 2) && !columns.is_empty(),
         "{columns:?}"
     );
     let right = after(closer, &[Action::Pan(TurnDirection::Down)]);
@@ -213,7 +218,7 @@ fn measurements_say_what_the_trace_is() {
     assert!((value("Mean").expect("a mean") - 0.9).abs() < 1e-12);
     assert_eq!(value("Period"), None);
     let screen = draw(&model, 80, 24);
-    screen.find("Pk-Pk         1.000V");
+    screen.find("Pk-Pk         1.000 V");
     screen.find("Period        ?");
 }
 

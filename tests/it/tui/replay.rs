@@ -339,7 +339,7 @@ fn remote_commands_are_listed_around_their_shot() {
     ];
     assert_eq!(rows, expected);
     // The shot is selected; the next row stands below with its time of the day.
-    let next = after(in_memory, &[Action::Scroll(TurnDirection::Down)]);
+    let next = after(in_memory, &[Action::Scroll(TurnDirection::Down, 1)]);
     draw(&next, 80, 24).find("00:00:02.250 UTC, raw 127.0.0.1:40001: CURV?");
 }
 

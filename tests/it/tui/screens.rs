@@ -223,7 +223,7 @@ fn help_lists_every_key_and_command() {
     let mut all = String::new();
     for _ in 0..60 {
         all += &draw(&model, 80, 24).text();
-        model = after(model, &[Action::Scroll(TurnDirection::Down)]);
+        model = after(model, &[Action::Scroll(TurnDirection::Down, 1)]);
     }
     for (title, rows) in groups() {
         assert!(all.contains(title), "{title}");
@@ -343,7 +343,7 @@ fn long_lines_of_the_log_are_wrapped() {
     set.log = (0..30).map(|line| format!("{} end{line}.", "word ".repeat(30))).collect();
     let model = after(model(set), &[Action::Toggle(Popup::Log)]);
     assert!(draw(&model, 80, 24).has(" end0."));
-    let model = after(model, &[Action::Scroll(TurnDirection::Down); 40]);
+    let model = after(model, &[Action::Scroll(TurnDirection::Down, 1); 40]);
     assert!(draw(&model, 80, 24).has(" end29."));
 }
 
@@ -353,7 +353,7 @@ fn a_long_log_is_scrolled() {
     set.log = (0..100).map(|line| format!("line {line}.")).collect();
     let model = after(model(set), &[Action::Toggle(Popup::Log)]);
     assert!(!draw(&model, 80, 24).has("line 30."));
-    let model = after(model, &[Action::Scroll(TurnDirection::Down); 20]);
+    let model = after(model, &[Action::Scroll(TurnDirection::Down, 1); 20]);
     let screen = draw(&model, 80, 24);
     assert!(screen.has("line 30.") && !screen.has("line 1."));
 }
