@@ -21,7 +21,7 @@ use crate::measurement::compare::mapping::Assignment;
 use crate::measurement::compare::score_limits::ScoreLimits;
 use crate::measurement::compare::{Align, Compared, ComparedShot, Comparison, compare};
 use crate::predict::{
-    JointTest, NormalisedError, TraceBand, UncertainPrediction, judge, normalised_errors,
+    JointTest, JudgedErrors, NormalisedError, TraceBand, UncertainPrediction, judge, normalised_errors,
 };
 use crate::recording::format::{Format, open_shot};
 use crate::recording::tek_csv::TableColumns;
@@ -200,7 +200,7 @@ fn errors(
     arguments: &Arguments,
     simulation: &Simulation,
     compared: &mut Compared,
-) -> anyhow::Result<((Vec<NormalisedError>, Option<JointTest>), Predicted)> {
+) -> anyhow::Result<(JudgedErrors, Predicted)> {
     let is_uncertain = |scene: &Scene| !scene.uncertainty.is_empty();
     if !simulation.scene.as_ref().is_some_and(is_uncertain) {
         return Ok(((Vec::new(), None), Predicted::default()));

@@ -60,7 +60,7 @@ pub struct Arguments {
     instructions: Option<String>,
     #[command(flatten)]
     picture: PictureArguments,
-    /// Column of the picture's ordinate, e.g. p14.half_rise [default: the first .peak]
+    /// Column of the picture's ordinate, e.g. `p14.half_rise` [default: the first .peak]
     #[arg(long, value_name = "COLUMN", requires = "plot")]
     y: Option<String>,
     /// Column of its abscissa [default: the first varied one]; the others give its lines

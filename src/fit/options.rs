@@ -20,6 +20,7 @@ pub(super) const SAMPLE_RANGE: RangeInclusive<f64> = 16.0..=200_000.0;
 pub(super) const EXPECTED_STEPS: f64 = 10.0;
 
 /// How a fit goes about it.
+#[allow(clippy::struct_excessive_bools, reason = "each is a choice of its own")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FitOptions {
     /// Whether each channel has a gain of its own about which nothing is known.

@@ -122,16 +122,17 @@ fn largest(quantities: &[JointQuantity], bench: usize, numbers: &mut Pcg64) -> O
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numeric::intervals::NORMAL_95;
 
     /// A quantity of no bench's doing, with an error of standard uncertainty 1.
     fn noise(name: &str) -> JointQuantity {
         let own = OwnError { name: name.to_owned(), normal: 1.0, half_width: 0.0 };
-        JointQuantity { e_n: 0.5, expanded: 1.959964, drawn: vec![Some(0.0); 100], own: vec![own] }
+        JointQuantity { e_n: 0.5, expanded: NORMAL_95, drawn: vec![Some(0.0); 100], own: vec![own] }
     }
 
     /// One quantity has the limit 1, and 0.5 is exceeded in `2 Phi(-0.98)` = 32.7 % of cases; of
-    /// two independent ones the largest is below 2.2365/1.9600 in 95 % (Šidák: each in 97.47 %); the
-    /// same error twice is one.
+    /// two independent ones the largest is below 2.2365/1.9600 in 95 % (Šidák: each in 97.47 %);
+    /// the same error twice is one.
     #[test]
     fn limits_are_those_of_independent_quantities() {
         let test = |quantities: &[JointQuantity]| JointTest::of(quantities, 1).expect("a test");

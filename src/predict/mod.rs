@@ -21,7 +21,7 @@ mod outputs;
 mod regression;
 
 pub use joint::JointTest;
-pub use normalised::{InputMove, NormalisedError, judge, normalised_errors};
+pub use normalised::{InputMove, JudgedErrors, NormalisedError, judge, normalised_errors};
 pub use outputs::{OutputInterval, TraceBand};
 pub use regression::InputShare;
 

@@ -9,8 +9,8 @@
 //! `d_i = (m - s) b_i / sum of b_j^2`, `b` the changes with one uncertainty each. Speeds on both
 //! sides are delays over the scene's own distance: plates that are elsewhere change the delay. The
 //! verdict is one test of all peaks, delays and speeds ([`JointTest`]), and an `E_n` up to 1 of
-//! each trace, which benches as stated hardly ever exceed: the mean over its samples hardly scatters.
-//! Sources: ISO 13528:2022, 9.6; ASME V&V 20-2009.
+//! each trace, which benches as stated hardly ever exceed: the mean over its samples hardly
+//! scatters. Sources: ISO 13528:2022, 9.6; ASME V&V 20-2009.
 
 use serde::Serialize;
 
@@ -70,12 +70,12 @@ impl NormalisedError {
     }
 }
 
+/// Normalised errors, and the test of those of peaks, delays and speeds together.
+pub type JudgedErrors = (Vec<NormalisedError>, Option<JointTest>);
+
 /// Normalised errors of first peaks, delays, speeds and traces of `compared`, whose simulated side
 /// `predicted` tells with its uncertainty, and the test of peaks, delays and speeds together.
-pub fn normalised_errors(
-    compared: &Compared,
-    predicted: &UncertainPrediction,
-) -> (Vec<NormalisedError>, Option<JointTest>) {
+pub fn normalised_errors(compared: &Compared, predicted: &UncertainPrediction) -> JudgedErrors {
     let comparison = &compared.comparison;
     let mut found = first_peaks(comparison, predicted);
     for speed in comparison.speeds.iter().filter(|speed| speed.estimator == "half_rise") {
@@ -95,10 +95,7 @@ pub fn normalised_errors(
 }
 
 /// The same, and by them the verdict of `compared`, where there are any.
-pub fn judge(
-    compared: &mut Compared,
-    predicted: &UncertainPrediction,
-) -> (Vec<NormalisedError>, Option<JointTest>) {
+pub fn judge(compared: &mut Compared, predicted: &UncertainPrediction) -> JudgedErrors {
     let (errors, joint) = normalised_errors(compared, predicted);
     let comparison = &mut compared.comparison;
     if !errors.is_empty() {

@@ -112,23 +112,18 @@ pub(super) fn band_marks(chain: &DiatomicChain) -> Vec<(f64, String)> {
 
 /// Highest frequency that pictures of `spectra` show: a little more than the chain's highest band
 /// edge, or than the last amplitude that reaches a hundredth of the highest (Hz).
-pub fn shown_end<'a>(
-    spectra: impl IntoIterator<Item = &'a Spectrum> + Clone,
-    chain: Option<&DiatomicChain>,
-) -> f64 {
-    let all = || spectra.clone().into_iter();
-    let step = all().next().map_or(0.0, |spectrum| spectrum.step);
-    let end = match chain {
-        Some(chain) => BAND_MARGIN * chain.cutoff(),
-        None => {
-            let values = all().flat_map(|spectrum| &spectrum.amplitude);
-            let top = values.copied().fold(0.0, f64::max);
-            let last = |spectrum: &Spectrum| {
-                let is_shown = |a: &f64| *a >= SHOWN_SHARE * top;
-                spectrum.frequency(spectrum.amplitude.iter().rposition(is_shown).unwrap_or(0))
-            };
-            SIGNAL_MARGIN * all().map(last).fold(0.0, f64::max)
-        }
+pub fn shown_end(spectra: &[Spectrum], chain: Option<&DiatomicChain>) -> f64 {
+    let step = spectra.first().map_or(0.0, |spectrum| spectrum.step);
+    let end = if let Some(chain) = chain {
+        BAND_MARGIN * chain.cutoff()
+    } else {
+        let values = spectra.iter().flat_map(|spectrum| &spectrum.amplitude);
+        let top = values.copied().fold(0.0, f64::max);
+        let last = |spectrum: &Spectrum| {
+            let is_shown = |a: &f64| *a >= SHOWN_SHARE * top;
+            spectrum.frequency(spectrum.amplitude.iter().rposition(is_shown).unwrap_or(0))
+        };
+        SIGNAL_MARGIN * spectra.iter().map(last).fold(0.0, f64::max)
     };
     end.max(2.0 * step)
 }
@@ -137,7 +132,7 @@ impl SpectrumPage {
     /// The spectrum from zero to where little is left, with the band edges marked.
     pub fn plot(&self) -> Plot {
         let spectrum = &self.spectrum;
-        let end = shown_end([spectrum], self.chain.as_ref());
+        let end = shown_end(std::slice::from_ref(spectrum), self.chain.as_ref());
         let points = spectrum.amplitude.iter().enumerate();
         let points = points.map(|(bin, a)| (spectrum.frequency(bin), *a));
         let points = points.take_while(|(f, _)| *f <= end).collect();

@@ -93,7 +93,8 @@ pub fn sweep_picture(table: &Table, axes: SweepAxes, title: &str) -> Sheet {
     for (_, points) in &mut groups {
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
     }
-    let repeats = |points: &Vec<(f64, f64)>| points.windows(2).any(|pair| pair[0].0 == pair[1].0);
+    // Sorted: of two that are not apart the second is no larger.
+    let repeats = |points: &Vec<(f64, f64)>| points.windows(2).any(|pair| pair[1].0 <= pair[0].0);
     let lines = if groups.len() > COLOURS.len() {
         let all = groups.into_iter().flat_map(|(_, points)| points).collect();
         vec![Series::new("", all, COLOURS[0], Stroke::Dots)]

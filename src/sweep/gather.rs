@@ -135,7 +135,7 @@ impl GatheredLogs {
         let create = |file: &PathBuf| TableWriter::create(file, columns);
         let mut tables = tables.iter().map(create).collect::<Result<Vec<_>, _>>()?;
         let mut tally = RunCounts::default();
-        let mut index = 0;
+        let mut index = 0_usize;
         self.each_row(&mut |run, cells| {
             tables.iter_mut().try_for_each(|table| table.row(&cells))?;
             tally.done += 1;
@@ -143,7 +143,7 @@ impl GatheredLogs {
                 tally.failed += 1;
                 tally.first_failed.get_or_insert_with(|| (run, reason.clone()));
             }
-            if index % 1000 == 0 {
+            if index.is_multiple_of(1000) {
                 progress(index as f64 / self.found.len() as f64);
             }
             index += 1;

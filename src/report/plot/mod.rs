@@ -108,9 +108,12 @@ impl Axis {
         let parts = self.label.strip_suffix(')').and_then(|label| label.rsplit_once(" ("));
         let Some((name, unit)) = parts else { return Self::linear(&self.label, from, to) };
         // `µs` without its prefix.
-        let scale = |unit: &str| format!("1 {unit}").parse::<Quantity>().map(|one| one.value);
+        let is_one = |unit: &str| {
+            let scale = format!("1 {unit}").parse::<Quantity>().map(|one| one.value);
+            scale.is_ok_and(|scale| (scale - 1.0).abs() < 1e-12)
+        };
         let bare: String = unit.chars().skip(1).collect();
-        let has_prefix = scale(unit).is_ok_and(|scale| scale != 1.0) && scale(&bare) == Ok(1.0);
+        let has_prefix = !is_one(unit) && is_one(&bare);
         Self::prefixed(name, if has_prefix { &bare } else { unit }, (from, to))
     }
 

@@ -11,7 +11,7 @@ const fn time_per_division(turn: TurnDirection) -> Action {
     Action::TimePerDivision { turn, anchor: 0.0 }
 }
 
-/// Lines of a panel that PgUp and PgDn move.
+/// Lines of a panel that the keys for a page move.
 const PAGE_LINES: usize = 10;
 
 /// Where a binding holds.

@@ -171,7 +171,7 @@ impl ScreenState {
             Some(page) if page == MAP => {
                 shown_end(&self.derived().map.as_ref()?.as_ref().ok()?.columns, chain)
             }
-            _ => shown_end([self.shown_spectrum()?], chain),
+            _ => shown_end(std::slice::from_ref(self.shown_spectrum()?), chain),
         }
         .min(sampled);
         // What was chosen for another trace may lie beyond this one's.

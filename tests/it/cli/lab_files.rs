@@ -347,8 +347,8 @@ fn plain_tables_for_other_programs() {
     let truth = std::fs::read_to_string(path.join("truth.csv")).expect("a table");
     assert!(truth.starts_with("time_s,CH1_V,CH2_V,CH3_V,CH4_V,truth_p2_N,"), "{}", &truth[..80]);
     // The striker and 38 particles, of which the last lies on the wall: 39 bodies, 39 contacts.
-    printed(path, &["convert", "-q", "run.mcap", "all.csv", "--truth=all"]);
-    let all = std::fs::read_to_string(path.join("all.csv")).expect("a table");
+    printed(path, &["convert", "-q", "run.mcap", "whole.csv", "--truth=all"]);
+    let all = std::fs::read_to_string(path.join("whole.csv")).expect("a table");
     let heading = all.lines().next().expect("a heading");
     let count = |what: &str| heading.split(',').filter(|name| name.contains(what)).count();
     assert_eq!((count("truth_contact"), count("truth_bead")), (39, 39), "{heading}");
