@@ -457,13 +457,14 @@ impl EnergyLedger {
     }
 }
 
-/// `(after + taken - before)` over the kinetic energy before or after, or the work of a drive,
-/// whichever is more: what a
-/// method has made of energy, as a share of that in motion. Static overlaps, which may hold a
-/// thousand times as much, do not hide it; what they round to is in it (1).
+/// `(after + taken - before)` over the kinetic energy before or after, the work of a drive or what
+/// the losses moved, whichever is most: what a method has made of energy, as a share of that in
+/// motion. Static overlaps, which may hold a thousand times as much, do not hide it; what they
+/// round to is in it (1).
 pub fn drift(before: &Energy, after: &Energy, taken: &Dissipated) -> f64 {
     let work = taken.work_of_drive.unwrap_or(0.0).abs();
-    let moving = before.kinetic.max(after.kinetic).max(work);
+    let lost: f64 = taken.losses.iter().map(|entry| entry.energy.abs()).sum();
+    let moving = before.kinetic.max(after.kinetic).max(work).max(lost);
     (after.total() + taken.total() - before.total()) / moving
 }
 

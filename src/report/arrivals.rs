@@ -4,6 +4,7 @@ use super::plot::{Plot, Sheet, trace_points};
 use super::table;
 use super::table::with_expanded;
 use crate::measurement::arrivals::{ChannelArrivals, SpeedBetween, Survey};
+use crate::note::joined;
 use crate::quantity::{Uncertain, engineering};
 use crate::recording::{Capture, Shot};
 use crate::trace::Trace;
@@ -43,17 +44,14 @@ pub fn arrivals(survey: &Survey) -> String {
             decay.to, decay.from
         ));
     }
-    for channel in &survey.channels {
+    let problems = survey.channels.iter().filter_map(|channel| {
         let name = &channel.channel;
-        if let Some(problem) = &channel.problem {
-            lines.push(format!("  note  {name}: {problem}"));
-        }
-        if channel.clipped > 0 && channel.problem.is_none() {
-            let clipped = channel.clipped;
-            lines.push(format!("  note  {name}: {clipped} samples may be clipped"));
-        }
-    }
-    lines.extend(survey.notes.iter().map(|note| format!("  note  {note}")));
+        let clipped = || format!("{name}: {} samples may be clipped", channel.clipped);
+        let problem = channel.problem.as_ref().map(|problem| format!("{name}: {problem}"));
+        problem.or_else(|| (channel.clipped > 0).then(clipped))
+    });
+    let notes = joined(problems.chain(survey.notes.iter().cloned()));
+    lines.extend(notes.iter().map(|note| format!("  note  {note}")));
     lines.join("\n")
 }
 

@@ -7,6 +7,7 @@ use super::plot::{COLOURS, Plot, Series, Sheet, Stroke, trace_points};
 use super::table;
 use crate::measurement::compare::mapping::ASSUMED;
 use crate::measurement::compare::{ChannelScore, Compared, Comparison};
+use crate::note::joined;
 use crate::numeric::intervals::NORMAL_95;
 use crate::predict::TraceBand;
 use crate::quantity::{Uncertain, engineering};
@@ -34,8 +35,7 @@ fn rows(comparison: &Comparison) -> Vec<Vec<String>> {
                 if error.value == 0.0 {
                     return "0 s, aligned".to_owned();
                 }
-                let sign = if error.value >= 0.0 { "+" } else { "" };
-                format!("{sign}{}", table::with_expanded(error.value, error.expanded(), "s"))
+                table::signed_with_expanded(error.value, Some(error.expanded()), "s")
             })),
             or_dash(c.correlation.map(|c| format!("{c:.5}"))),
             or_dash(c.spectrum_distance.map(|d| format!("{:.2} %", 100.0 * d))),
@@ -80,12 +80,10 @@ fn speed_rows(comparison: &Comparison) -> Vec<Vec<String>> {
 }
 
 fn alignment(comparison: &Comparison) -> String {
-    let u = comparison
-        .shift_u_s
-        .map_or_else(String::new, |u| format!(" ± {}", engineering(NORMAL_95 * u, "s", 2)));
-    let shift = signed(comparison.shift_s, "s", 4);
+    let expanded = comparison.shift_u_s.map(|u| NORMAL_95 * u);
+    let shift = table::signed_with_expanded(comparison.shift_s, expanded, "s");
     format!(
-        "aligned by {}: simulated traces shifted by {shift}{u}; gain and offset are reported, not removed",
+        "aligned by {}: simulated traces shifted by {shift}; gain and offset are reported, not removed",
         comparison.align
     )
 }
@@ -114,7 +112,7 @@ fn mapping(comparison: &Comparison) -> Vec<String> {
         .iter()
         .map(line)
         .chain(clipped)
-        .chain(comparison.notes.iter().cloned())
+        .chain(joined(comparison.notes.iter().cloned()))
         .collect()
 }
 

@@ -53,7 +53,7 @@ pub use screen::screen;
 pub use statistics::{statistics, statistics_table};
 pub use summary::summary;
 pub use sweep::{SweepAxes, SweepColumnError, gathering, sweep, sweep_picture};
-pub use table::{RowTable, signed_percent, with_expanded};
+pub use table::{RowTable, signed_percent, signed_with_expanded, with_expanded};
 pub use tunability::{TunabilityPage, transmitted, tunability, tunability_picture};
 pub use uncertainty::{
     bands_picture, budget_picture, normalised_error_parts, prediction_intervals, shot_picture,

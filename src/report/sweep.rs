@@ -65,15 +65,16 @@ fn name_and_unit(column: &str) -> (&str, &str) {
     parts.unwrap_or((column, ""))
 }
 
-/// One column of a sweep's table over another, with a line for each combination of the other varied
-/// values if there are few, else as dots.
+/// One column of a sweep's table over another, with a line for each combination of the other values
+/// that differ if there are few, else as dots.
 pub fn sweep_picture(table: &Table, axes: SweepAxes, title: &str) -> Sheet {
     let SweepAxes { x, y } = axes;
     let columns = &table.columns;
     let varied = columns.iter().position(|column| column.name == "error").unwrap_or(0);
-    let others: Vec<usize> = (0..varied)
-        .filter(|at| *at != x && !["run", "seed", "repeat"].contains(&columns[*at].name.as_str()))
-        .collect();
+    let differs = |at: usize| table.rows.windows(2).any(|pair| pair[0].get(at) != pair[1].get(at));
+    let is_count = |at: usize| ["run", "seed", "repeat"].contains(&columns[at].name.as_str());
+    let others: Vec<usize> =
+        (0..varied).filter(|at| *at != x && !is_count(*at) && differs(*at)).collect();
     let number = |row: &[Cell], at: usize| match row.get(at) {
         Some(Cell::Number(number)) => Some(*number),
         _ => None,

@@ -82,14 +82,22 @@ pub fn signed_percent(share: Uncertain) -> String {
     if share.value >= 0.0 { format!("+{text}") } else { text }
 }
 
-/// In the number's own prefix: `319 ± 12 mN`.
+/// In the prefix of the larger of the two: `319 ± 12 mN`, `0.9 ± 3.1 µs`.
 pub fn with_expanded(value: f64, expanded: f64, unit: &str) -> String {
-    let shown = engineering(value, unit, 6);
-    let Some((number, prefixed)) = shown.split_once(' ') else { return shown };
-    let Ok(mantissa) = number.parse::<f64>() else { return shown };
-    if mantissa == 0.0 || !expanded.is_finite() {
-        return engineering(value, unit, 4);
+    let alone = engineering(value, unit, 4);
+    if !(expanded.is_finite() && expanded > 0.0) {
+        return alone;
     }
-    let scale = 10f64.powf((mantissa / value).log10().round());
+    let larger = value.abs().max(expanded);
+    let shown = engineering(larger, unit, 6);
+    let Some((number, prefixed)) = shown.split_once(' ') else { return alone };
+    let Ok(mantissa) = number.parse::<f64>() else { return alone };
+    let scale = 10f64.powf((mantissa / larger).log10().round());
     plus_minus(value * scale, expanded * scale, prefixed)
+}
+
+/// The same with its sign: `+89.3 ± 1.1 µs`. Where `expanded` is not known, the value alone.
+pub fn signed_with_expanded(value: f64, expanded: Option<f64>, unit: &str) -> String {
+    let sign = if value >= 0.0 { "+" } else { "" };
+    format!("{sign}{}", with_expanded(value, expanded.unwrap_or(f64::NAN), unit))
 }

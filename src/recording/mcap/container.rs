@@ -11,6 +11,8 @@ use std::collections::BTreeMap;
 pub const MAGIC: [u8; 8] = [0x89, b'M', b'C', b'A', b'P', 0x30, b'\r', b'\n'];
 /// Length of what stands before a record's body: its opcode and the body's length (bytes).
 pub const RECORD_HEADER_BYTES: usize = 9;
+/// Length of the body of the record that ends the data (bytes).
+pub const DATA_END_BYTES: u64 = 4;
 /// Largest uncompressed chunk that is unpacked: a thousand times what this program writes.
 const MAX_CHUNK_BYTES: u64 = 256 * 1024 * 1024;
 

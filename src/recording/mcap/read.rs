@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use prost::Message as _;
 
-use super::container::{self, MAGIC, McapRecord, RECORD_HEADER_BYTES};
+use super::container::{self, DATA_END_BYTES, MAGIC, McapRecord, RECORD_HEADER_BYTES};
 use super::decode;
 use super::message::{self, ShotNotes};
 use super::schema::Schema;
@@ -284,6 +284,11 @@ impl IndexedRecording {
         let place = RecordPlace { start, current: self.reader.current };
         let parsed = container::parse(opcode, &body);
         if let Ok(McapRecord::DataEnd(expected)) = parsed {
+            if length != DATA_END_BYTES {
+                self.reader.problem(format!(
+                    "byte {start}: found an end of the data of {length} bytes, expected {DATA_END_BYTES}: something was changed"
+                ));
+            }
             self.finish(expected)?;
             return Ok(ReadState::Finished);
         }

@@ -282,7 +282,7 @@ const READINGS: &[Binding] = &[
             (letter('}'), Action::Snap(TurnDirection::Up)),
             (letter('A'), Action::SnapToArrival),
         ],
-        "move cursor; snap to previous, next peak or edge; A: arrival",
+        "move cursor; snap to previous, next peak, edge; A: arrival",
     ),
     binding(
         (BindingScope::Scope, "M"),

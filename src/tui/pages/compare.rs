@@ -12,6 +12,7 @@ use ratatui::widgets::Paragraph;
 use crate::measurement::compare::{ChannelScore, Compared};
 use crate::numeric::intervals::NORMAL_95;
 use crate::quantity::Uncertain;
+use crate::report::signed_with_expanded;
 use crate::scope::Source;
 use crate::trace::Trace;
 use crate::tui::job::{Job, JobState, Queue, guarded};
@@ -198,14 +199,9 @@ fn verdict(model: &ScreenState, compared: &Compared) -> Line<'static> {
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let passed = comparison.failures.is_empty();
     let tint = colour(model.palette(), if passed { Color::LightGreen } else { Color::LightRed });
-    let shift = comparison
-        .shift_u_s
-        .map_or_else(String::new, |u| format!(" ± {}", spelled(NORMAL_95 * u, "s", 2)));
-    let shifted = format!(
-        "  shifted {}{shift} by {}  ",
-        spelled(comparison.shift_s, "s", 4),
-        comparison.align
-    );
+    let expanded = comparison.shift_u_s.map(|u| NORMAL_95 * u);
+    let shift = signed_with_expanded(comparison.shift_s, expanded, "s");
+    let shifted = format!("  shifted {shift} by {}  ", comparison.align);
     Line::from(vec![
         Span::styled(comparison.verdict.to_uppercase(), bold.fg(tint)),
         Span::styled(shifted, bold),

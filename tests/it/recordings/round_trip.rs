@@ -57,6 +57,7 @@ fn every_source_coupling_format_and_width_comes_back() {
         capture.waveform.codes.extend([-128, 127]);
         if index % 2 == 1 {
             capture.waveform.codes.extend([i16::MIN, i16::MAX]);
+            capture.waveform.as_read.extend([-1.5, 1.5, -800.25, 800.25]);
         }
         one.captures.push(capture);
     }

@@ -64,7 +64,7 @@ fn a_mass_that_does_not_go_with_its_shape_is_noted() {
     assert!(notes("3.5 g").is_empty());
     let [note] = &notes("3.5 kg")[..] else { panic!("one note") };
     assert!(
-        note.sentence.contains("ball: its mass of 3.50 kg is 1019")
+        note.sentence.contains("ball: its mass of 3500 g is 1019")
             && note.sentence.contains("3.43 g"),
         "{note}"
     );

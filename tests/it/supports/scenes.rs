@@ -172,7 +172,8 @@ fn the_ledger_in_a_recording_has_drive_rod_and_yielding() {
         + energy.power_law_loss_j
         + energy.left_in_contacts_j;
     println!("{energy:?}");
-    assert!(energy.plasticity_j > 0.0 && energy.bottom_wall_j > 0.0 && energy.top_wall_j == 0.0);
+    // The rod gives back what pressing it took, as the chain that yields loses its preload.
+    assert!(energy.plasticity_j > 0.0 && energy.bottom_wall_j < 0.0 && energy.top_wall_j == 0.0);
     let work = energy.work_of_drive_j;
     assert!((lost - energy.dissipated_j).abs() < 1e-12 * work, "{lost:e}");
     let by_kind = energy.kinetic_j

@@ -153,7 +153,7 @@ fn keys_and_command_line_reach_it() {
     terminal.press("z");
     terminal.wait_for("the whole record", |t| !t.screen().contains('*'));
     terminal.press(":goto 7\r");
-    terminal.wait_for_text("there are 1 shots");
+    terminal.wait_for_text("there is one shot");
     terminal.press("F");
     terminal.wait_for_text("f3");
     terminal.press("b");
