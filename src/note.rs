@@ -36,36 +36,3 @@ impl fmt::Display for Note {
         f.write_str(&self.sentence)
     }
 }
-
-/// The same notes in fewer lines: what is said of several channels in the same words is said once,
-/// where it was said first.
-///
-/// ```
-/// use hertzscope::note::joined;
-/// let notes = ["CH1: cut", "no speeds", "CH2: cut"].map(str::to_owned);
-/// assert_eq!(joined(notes), ["CH1, CH2: cut", "no speeds"]);
-/// ```
-pub fn joined(notes: impl IntoIterator<Item = String>) -> Vec<String> {
-    let mut lines: Vec<(Option<String>, String)> = Vec::new();
-    for note in notes {
-        let (channel, words) = match note.split_once(": ") {
-            Some((channel, words)) if channel.starts_with("CH") && !channel.contains(' ') => {
-                (Some(channel.to_owned()), words.to_owned())
-            }
-            _ => (None, note),
-        };
-        let same = lines.iter_mut().find(|(channels, said)| channels.is_some() && *said == words);
-        match (same, channel) {
-            (Some((Some(channels), _)), Some(channel)) => {
-                channels.push_str(", ");
-                channels.push_str(&channel);
-            }
-            (_, channel) => lines.push((channel, words)),
-        }
-    }
-    let line = |(channels, words): (Option<String>, String)| match channels {
-        Some(channels) => format!("{channels}: {words}"),
-        None => words,
-    };
-    lines.into_iter().map(line).collect()
-}

@@ -4,7 +4,6 @@ use super::plot::{Plot, Sheet, trace_points};
 use super::table;
 use super::table::with_expanded;
 use crate::measurement::arrivals::{ChannelArrivals, SpeedBetween, Survey};
-use crate::note::joined;
 use crate::quantity::{Uncertain, engineering};
 use crate::recording::{Capture, Shot};
 use crate::trace::Trace;
@@ -50,7 +49,7 @@ pub fn arrivals(survey: &Survey) -> String {
         let problem = channel.problem.as_ref().map(|problem| format!("{name}: {problem}"));
         problem.or_else(|| (channel.clipped > 0).then(clipped))
     });
-    let notes = joined(problems.chain(survey.notes.iter().cloned()));
+    let notes = table::joined(problems.chain(survey.notes.iter().cloned()));
     lines.extend(notes.iter().map(|note| format!("  note  {note}")));
     lines.join("\n")
 }

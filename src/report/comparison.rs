@@ -7,7 +7,6 @@ use super::plot::{COLOURS, Plot, Series, Sheet, Stroke, trace_points};
 use super::table;
 use crate::measurement::compare::mapping::ASSUMED;
 use crate::measurement::compare::{ChannelScore, Compared, Comparison};
-use crate::note::joined;
 use crate::numeric::intervals::NORMAL_95;
 use crate::predict::TraceBand;
 use crate::quantity::{Uncertain, engineering};
@@ -112,7 +111,7 @@ fn mapping(comparison: &Comparison) -> Vec<String> {
         .iter()
         .map(line)
         .chain(clipped)
-        .chain(joined(comparison.notes.iter().cloned()))
+        .chain(table::joined(comparison.notes.iter().cloned()))
         .collect()
 }
 

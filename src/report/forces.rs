@@ -6,7 +6,6 @@ use super::plot::{Plot, Series, Sheet, terminal, trace_points};
 use super::table;
 use crate::measurement::arrivals::sensitivities_unknown;
 use crate::measurement::force::Forces;
-use crate::note::joined;
 use crate::numeric::intervals::NORMAL_95;
 use crate::quantity::engineering;
 
@@ -125,7 +124,7 @@ pub fn forces(page: &ForcePage) -> String {
     }));
     let gains = found.iter().filter_map(|channel| channel.sensor.gain_note());
     let others = page.problems.iter().chain(&page.notes).cloned();
-    lines.extend(joined(gains.chain(others)).iter().map(|note| format!("  note  {note}")));
+    lines.extend(table::joined(gains.chain(others)).iter().map(|note| format!("  note  {note}")));
     if let Some(first) = found.first() {
         lines.push(String::new());
         lines.extend(terminal(&force_plot(first)));

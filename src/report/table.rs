@@ -101,3 +101,49 @@ pub fn signed_with_expanded(value: f64, expanded: Option<f64>, unit: &str) -> St
     let sign = if value >= 0.0 { "+" } else { "" };
     format!("{sign}{}", with_expanded(value, expanded.unwrap_or(f64::NAN), unit))
 }
+
+/// The same notes in fewer lines: what is said of several channels in the same words is said once,
+/// where it was said first.
+pub(super) fn joined(notes: impl IntoIterator<Item = String>) -> Vec<String> {
+    let mut lines: Vec<(Option<String>, String)> = Vec::new();
+    for note in notes {
+        let (channel, words) = match note.split_once(": ") {
+            Some((channel, words)) if channel.starts_with("CH") && !channel.contains(' ') => {
+                (Some(channel.to_owned()), words.to_owned())
+            }
+            _ => (None, note),
+        };
+        let same = lines.iter_mut().find(|(channels, said)| channels.is_some() && *said == words);
+        match (same, channel) {
+            (Some((Some(channels), _)), Some(channel)) => {
+                channels.push_str(", ");
+                channels.push_str(&channel);
+            }
+            (_, channel) => lines.push((channel, words)),
+        }
+    }
+    let line = |(channels, words): (Option<String>, String)| match channels {
+        Some(channels) => format!("{channels}: {words}"),
+        None => words,
+    };
+    lines.into_iter().map(line).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_several_channels_share_is_said_once() {
+        let notes = ["CH1: cut", "no speeds", "CH2: cut", "CH2: noisy"].map(str::to_owned);
+        assert_eq!(joined(notes), ["CH1, CH2: cut", "no speeds", "CH2: noisy"]);
+    }
+
+    #[test]
+    fn both_numbers_have_the_larger_prefix() {
+        assert_eq!(with_expanded(0.319, 0.0123, "N"), "319 ± 12 mN");
+        assert_eq!(with_expanded(904e-9, 3.074e-6, "s"), "0.9 ± 3.1 µs");
+        assert_eq!(with_expanded(0.0, 3.074e-6, "s"), "0.0 ± 3.1 µs");
+        assert_eq!(signed_with_expanded(904e-9, None, "s"), "+904.0 ns");
+    }
+}

@@ -14,10 +14,10 @@
 //!
 //! If only the third is missing, the record may be cut, and a note says so. The uncertainties are
 //! those of a straight least-squares fit; the noise is the median of third differences, which a
-//! smooth signal leaves out. Tried with 4,900 unclipped records of pulses, trains, sines, square
-//! waves and filtered steps at 20 levels to 16 bits and noise up to two levels: none was called
-//! cut. Of 360 cut pulses, 279 were; the others lose less than a tenth, or have fewer than eight
-//! samples on a flank.
+//! smooth signal leaves out. Of 4,900 whole records (pulses, sines, square waves, trapezoids and
+//! filtered steps of 12 to 420 samples, 20 to 65,000 levels and noise up to two levels) none is
+//! called cut. Of 1,200 cut pulses 624 are: all of 80 samples and 200 levels or more that lose a
+//! fifth to three fifths, but for half sines of which straight flanks are left, which may be cut.
 
 use crate::numeric::statistics::StraightLine;
 
@@ -52,11 +52,10 @@ pub(super) struct FlatTop {
 /// The flat tops at the largest and at the smallest value of `values` that are, or may be, cut;
 /// `level` is the distance of neighbouring values.
 pub(super) fn flat_tops(values: &[f64], level: f64) -> [Option<FlatTop>; 2] {
-    let noise = noise(values);
-    [1.0, -1.0].map(|sign| flat_top(values, sign, (level, noise)))
+    [1.0, -1.0].map(|sign| flat_top(values, sign, level))
 }
 
-fn flat_top(values: &[f64], sign: f64, (level, noise): (f64, f64)) -> Option<FlatTop> {
+fn flat_top(values: &[f64], sign: f64, level: f64) -> Option<FlatTop> {
     let top = values.iter().map(|value| sign * value).fold(f64::NEG_INFINITY, f64::max);
     let bottom = values.iter().map(|value| sign * value).fold(f64::INFINITY, f64::min);
     let is_top = |index: usize| values.get(index).is_some_and(|value| sign * value >= top);
@@ -78,6 +77,8 @@ fn flat_top(values: &[f64], sign: f64, (level, noise): (f64, f64)) -> Option<Fla
     if run < MIN_RUN {
         return None;
     }
+    let beside: Vec<f64> = values.iter().copied().filter(|value| sign * value < top).collect();
+    let noise = noise(&beside);
     let sigma = noise.max(QUANTISATION * level);
     // Heights below the top, from it outwards.
     let below = |value: &f64| sign * value - top;
@@ -114,19 +115,15 @@ struct Scales {
     height: f64,
 }
 
-/// Standard deviation of the noise of one sample, from third differences of samples that are not
-/// all equal: their variance is 20 times the noise's (unit).
+/// Standard deviation of the noise of one sample, from third differences, whose variance is 20 times
+/// the noise's (unit).
 fn noise(values: &[f64]) -> f64 {
     const NORMAL_MEDIAN: f64 = 0.6745;
-    let ends = |fold: fn(f64, f64) -> f64, start| values.iter().copied().fold(start, fold);
-    let (low, high) = (ends(f64::min, f64::INFINITY), ends(f64::max, f64::NEG_INFINITY));
-    let inside: Vec<f64> =
-        values.iter().copied().filter(|value| *value > low && *value < high).collect();
     let third = |window: &[f64]| match window {
         [a, b, c, d] => (d - 3.0 * c + 3.0 * b - a).abs(),
         _ => 0.0,
     };
-    let mut differences: Vec<f64> = inside.windows(4).map(third).collect();
+    let mut differences: Vec<f64> = values.windows(4).map(third).collect();
     if differences.is_empty() {
         return 0.0;
     }
@@ -192,7 +189,7 @@ impl Parabola {
 }
 
 /// Whether the flank from a tenth of its height to the flat top is a straight line, or too short to
-/// show that it is none.
+/// show that it is none. The top's own samples may lie behind the corner of a trapezoid.
 fn is_straight(side: &[f64], scales: &Scales) -> bool {
     const FEWEST: usize = 8;
     let mut low = 0.0;
@@ -204,7 +201,7 @@ fn is_straight(side: &[f64], scales: &Scales) -> bool {
     let count = falls.count();
     let low = side.iter().take(count).copied().fold(0.0, f64::min);
     let flank = side.iter().take(count).take_while(|height| **height > 0.9 * low);
-    let flank: Vec<f64> = std::iter::once(0.0).chain(flank.copied()).collect();
+    let flank: Vec<f64> = flank.copied().collect();
     if flank.len() < FEWEST {
         return true;
     }
@@ -218,4 +215,97 @@ fn is_straight(side: &[f64], scales: &Scales) -> bool {
         .map(|(x, y, _)| (y - line.mean.1 - line.slope * (x - line.mean.0)).abs())
         .fold(0.0, f64::max);
     off <= (3.0 * scales.sigma).max(scales.level).max(0.015 * low.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{PI, TAU};
+
+    use rand_distr::{Distribution, StandardNormal, Uniform};
+    use rand_pcg::Pcg64Mcg;
+
+    use super::*;
+
+    /// Signals between 0 and 1 that end where they begin, over 1000 samples, by name; `size` is the
+    /// length of a pulse or period (samples).
+    const SIGNALS: [(&str, fn(f64, f64) -> f64); 7] =
+        [
+            ("gaussian", |t, size| (-0.5 * (t / (0.2 * size)).powi(2)).exp()),
+            ("half sine", |t, size| if t.abs() < 0.5 * size { (PI * t / size).cos() } else { 0.0 }),
+            ("hertz pulse", |t, size| {
+                if t.abs() < 0.5 * size { (PI * t / size).cos().powf(1.5) } else { 0.0 }
+            }),
+            ("sine", |t, size| 0.5 + 0.5 * (TAU * t / size).sin()),
+            ("square wave", |t, size| if (t / size).rem_euclid(1.0) < 0.5 { 1.0 } else { 0.0 }),
+            ("trapezoid", |t, size| ((0.5 * size - t.abs()) / (0.15 * size)).clamp(0.0, 1.0)),
+            ("filtered step", |t, size| {
+                let rise = |t: f64| if t > 0.0 { 1.0 - (-t / (0.08 * size)).exp() } else { 0.0 };
+                rise(t + 0.5 * size) - rise(t - 0.5 * size)
+            }),
+        ];
+
+    /// A record of `signal`, `height` levels high, in whole levels, with `noise` (levels).
+    fn record(
+        signal: fn(f64, f64) -> f64,
+        (size, height, noise): (f64, f64, f64),
+        random: &mut Pcg64Mcg,
+    ) -> Vec<f64> {
+        let phase = Uniform::new(0.0, 1.0).expect("a range").sample(random);
+        let one = |index: u32| {
+            let moved: f64 = StandardNormal.sample(random);
+            let level = height * (signal(f64::from(index) - 500.0 + phase, size) - 0.03);
+            (level + noise * moved).round()
+        };
+        (0..1000).map(one).collect()
+    }
+
+    /// Sizes of the signals (samples).
+    const SIZES: [f64; 5] = [12.0, 30.0, 80.0, 200.0, 420.0];
+    /// Their heights (levels).
+    const HEIGHTS: [f64; 5] = [20.0, 60.0, 200.0, 4000.0, 65_000.0];
+    /// Noise (levels).
+    const NOISES: [f64; 4] = [0.0, 0.3, 1.0, 2.0];
+
+    fn shapes() -> impl Iterator<Item = (f64, f64, f64)> {
+        let of_size = |size| HEIGHTS.map(|height| NOISES.map(|noise| (size, height, noise)));
+        SIZES.into_iter().flat_map(of_size).flatten()
+    }
+
+    #[test]
+    fn whole_records_are_not_called_cut() {
+        let mut random = Pcg64Mcg::new(60);
+        for (name, signal) in SIGNALS {
+            for shape in shapes().flat_map(|shape| [shape; 7]) {
+                let values = record(signal, shape, &mut random);
+                let cut = flat_tops(&values, 1.0).into_iter().flatten().find(|top| top.is_cut);
+                assert_eq!(cut, None, "{name} {shape:?}");
+            }
+        }
+    }
+
+    /// Of pulses that lose more than a tenth of their height, all are found that are long and high
+    /// enough, but for half sines of which straight flanks are left: those may be cut.
+    #[test]
+    fn cut_pulses_are_found() {
+        let mut random = Pcg64Mcg::new(61);
+        let (mut found, mut count) = (0, 0);
+        for share in [0.95, 0.8, 0.6, 0.4] {
+            for (name, signal) in &SIGNALS[..3] {
+                for (size, height, noise) in shapes() {
+                    let whole = record(*signal, (size, height, noise), &mut random);
+                    let top = (share * height).round();
+                    let cut: Vec<f64> = whole.iter().map(|value| value.min(top)).collect();
+                    let [upper, _] = flat_tops(&cut, 1.0);
+                    let is_found = upper.is_some_and(|top| top.is_cut);
+                    count += 1;
+                    found += usize::from(is_found);
+                    let is_plain = share < 0.9 && size >= 80.0 && height >= 200.0;
+                    let may_be = upper.is_some() && (*name, share) == ("half sine", 0.4);
+                    let pulse = (share, size, height, noise);
+                    assert!(!is_plain || is_found || may_be, "{name} {pulse:?}: {upper:?}");
+                }
+            }
+        }
+        assert_eq!((found, count), (624, 1200));
+    }
 }
