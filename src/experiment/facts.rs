@@ -108,18 +108,26 @@ fn sensor_facts(scene: &Scene, placed: &PlacedSensor) -> Vec<(&'static str, Stri
         facts.push(("cable_capacitance_f", sensor.cable_capacitance.to_string()));
     }
     facts.extend(sensor.calibrated_host.clone().map(|host| ("calibrated_host", host)));
-    let mut number = |key: &'static str, value: Option<f64>| {
-        facts.extend(value.map(|value| (key, value.to_string())));
-    };
-    number("sensitivity_u_relative", measured.sensitivity_u);
-    number("time_constant_u_relative", measured.time_constant_u);
     let wired = (1..).zip(&scene.scope.channels).find_map(|(number, channel)| {
         let channel = channel.as_ref()?;
         (channel.input.as_ref() == Some(&placed.name)).then_some((number, channel))
     });
-    if let Some((number, channel)) = wired {
-        // What the experimenter knows; with a tolerance, the plate at the bench is another one.
-        let circuit = sensor.connect(input_load(&scene.scope.model, channel));
+    // What the experimenter knows; with a tolerance, the plate at the bench is another one.
+    let circuit = wired.map(|(_, channel)| sensor.connect(input_load(&scene.scope.model, channel)));
+    // What the scene states outranks the sensor's file.
+    let u = |key: &str, value: Option<f64>, of_file: Option<f64>| {
+        let stated = scene.stated_uncertainty_of(&format!("sensors.{}.{key}", placed.name));
+        let standard = stated.zip(value).map(|(s, value)| s.distribution.standard(value) / value);
+        standard.or(of_file)
+    };
+    let sensitivity = circuit.map(|circuit| circuit.sensitivity).or(measured.sensitivity);
+    let sensitivity_u = u("sensitivity", sensitivity, measured.sensitivity_u);
+    let time_constant = circuit.map(|circuit| circuit.time_constant).or(measured.time_constant);
+    let time_constant_u = u("tau", time_constant, measured.time_constant_u);
+    let pairs =
+        [("sensitivity_u_relative", sensitivity_u), ("time_constant_u_relative", time_constant_u)];
+    facts.extend(pairs.into_iter().filter_map(|(key, u)| Some((key, u?.to_string()))));
+    if let Some(((number, channel), circuit)) = wired.zip(circuit) {
         facts.push(("channel", format!("CH{number}")));
         // A bench whose scope is exact has no error of the gain to count.
         let is_exact = channel.deviation == Deviation::default();

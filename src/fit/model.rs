@@ -4,7 +4,7 @@
 //! the trigger after the striker's first contact, in sample intervals; where times are not exact,
 //! by how many of its standard uncertainties the time base is off; a factor for each channel whose
 //! gain is not exact, with a residual `(g - 1)/u` where `u` is known; with `offsets`, a zero for
-//! each channel, in levels; in the end the scores of the scene's other uncertain inputs. Time base
+//! each channel, in levels, unless what disturbs it contains the zero; in the end the scores of the scene's other uncertain inputs. Time base
 //! and scores are residuals, too: what is known of them, as normal distributions. The scene's
 //! numbers are differentiated by central differences with steps of about one standard deviation,
 //! the rest in closed form.
@@ -96,7 +96,7 @@ impl<'a> TraceModel<'a> {
         names.extend(self.with_gain().map(|record| format!("gain of {}", record.name)));
         if self.offsets {
             let offset = |record: &ChannelRecord| format!("offset of {}", record.name);
-            names.extend(self.records.list.iter().map(offset));
+            names.extend(self.with_offset().map(offset));
         }
         names.extend(self.inputs.list().iter().map(|input| input.name.clone()));
         names
@@ -111,7 +111,7 @@ impl<'a> TraceModel<'a> {
         x.extend(self.has_time_base().then_some(0.0));
         x.extend(self.with_gain().map(|_| 1.0));
         if self.offsets {
-            x.extend(self.records.list.iter().map(|r| r.baseline / r.level));
+            x.extend(self.with_offset().map(|record| record.baseline / record.level));
         }
         Some(x)
     }
@@ -155,7 +155,8 @@ impl<'a> TraceModel<'a> {
         let traces = self.traces((factors, &[]), long, 0.0, TRIGGER_ACCURACY)?;
         let mut cost = vec![0.0; count + 1 - axis.count];
         for (record, trace) in self.records.list.iter().zip(&traces) {
-            let measured: Vec<f64> = record.volts.iter().map(|v| v - record.baseline).collect();
+            let measured: Vec<f64> =
+                record.undisturbed().map(|volts| volts - record.baseline).collect();
             let trace = &trace[1..trace.len() - 1];
             let products = correlate(&measured, trace);
             let mut inside = squares(&trace[..axis.count]);
@@ -199,13 +200,21 @@ impl<'a> TraceModel<'a> {
         };
         let records = &self.records.list;
         let gains: Vec<f64> = records.iter().map(|r| next(r.gain_u > 0.0, 1.0)).collect();
-        let offsets = records.iter().map(|record| next(self.offsets, 0.0) * record.level);
+        let offsets = records.iter().map(|record| {
+            let known = if self.offsets { record.baseline / record.level } else { 0.0 };
+            next(self.offsets && record.has_offset(), known) * record.level
+        });
         gains.into_iter().zip(offsets).collect()
     }
 
     /// The channels whose gain is a parameter.
     fn with_gain(&self) -> impl Iterator<Item = &ChannelRecord> {
         self.records.list.iter().filter(|record| record.gain_u > 0.0)
+    }
+
+    /// The channels whose offset is a parameter, where offsets are.
+    fn with_offset(&self) -> impl Iterator<Item = &ChannelRecord> {
+        self.records.list.iter().filter(|record| record.has_offset())
     }
 
     /// What time base, gains and inputs are off by what is known of them, in its standard
@@ -226,27 +235,43 @@ impl<'a> TraceModel<'a> {
         usize::from(self.has_time_base()) + gains + self.inputs.count()
     }
 
-    /// The modelled traces, one a channel (V).
+    /// The modelled traces with what disturbs them, one a channel (V).
     pub fn shown(&mut self, x: &[f64]) -> Option<Vec<Vec<f64>>> {
         let traces = self.at(x)?;
-        let line = |(trace, (gain, offset)): (&Vec<f64>, &(f64, f64))| {
-            trace[1..trace.len() - 1].iter().map(|v| gain * v + offset).collect()
+        let residuals = self.weigh(x, &traces);
+        let parts = residuals.chunks(self.records.axis.count.max(1));
+        let disturbed = self.records.list.iter().zip(parts);
+        let disturbed = disturbed.map(|(record, part)| record.fitted_disturbance(part));
+        let line = |((trace, (gain, offset)), added): ((&Vec<f64>, &(f64, f64)), Vec<f64>)| {
+            let samples = trace[1..trace.len() - 1].iter().zip(added);
+            samples.map(|(v, added)| gain * v + offset + added).collect()
         };
-        Some(traces.iter().zip(&self.nuisances(x)).map(line).collect())
+        Some(traces.iter().zip(&self.nuisances(x)).zip(disturbed).map(line).collect())
     }
 
     fn weigh(&self, x: &[f64], traces: &[Vec<f64>]) -> Vec<f64> {
         let mut residuals = Vec::with_capacity(self.records.list.len() * self.records.axis.count);
         let channels = self.records.list.iter().zip(traces).zip(self.nuisances(x));
         for ((record, trace), (gain, offset)) in channels {
-            let samples = record.volts.iter().zip(&record.counts).zip(&trace[1..]).enumerate();
-            residuals.extend(samples.map(|(index, ((volts, counts), v))| {
-                let counts = *counts && index < self.horizon;
-                if counts { (volts - gain * v - offset) / record.sigma } else { 0.0 }
+            let samples = record.undisturbed().zip(&trace[1..]).enumerate();
+            residuals.extend(samples.map(|(index, (volts, v))| {
+                let weighs = index < self.horizon && record.weighs(index);
+                if weighs { (volts - gain * v - offset) / record.sigma } else { 0.0 }
             }));
         }
+        self.whiten(&mut residuals);
         residuals.extend(self.priors(x));
         residuals
+    }
+
+    /// Makes residuals, or their derivatives, white; on the way over parts of the records they are
+    /// white enough.
+    fn whiten(&self, residuals: &mut [f64]) {
+        let count = self.records.axis.count;
+        if self.horizon >= count {
+            let channels = residuals.chunks_mut(count.max(1)).zip(&self.records.list);
+            channels.for_each(|(residuals, record)| record.whiten(residuals));
+        }
     }
 
     /// A column that has, for channel `only` or all of them, `value` of the trace at each sample.
@@ -259,10 +284,10 @@ impl<'a> TraceModel<'a> {
         let mut column = Vec::with_capacity(self.records.list.len() * self.records.axis.count);
         for (channel, (record, trace)) in self.records.list.iter().zip(traces).enumerate() {
             let meant = only.is_none_or(|only| only == channel);
-            let around = trace.windows(3).zip(&record.counts).enumerate();
-            column.extend(around.map(|(index, (around, counts))| {
-                let counts = meant && *counts && index < self.horizon;
-                if counts { -value(channel, around) / record.sigma } else { 0.0 }
+            let around = trace.windows(3).enumerate();
+            column.extend(around.map(|(index, around)| {
+                let weighs = meant && index < self.horizon && record.weighs(index);
+                if weighs { -value(channel, around) / record.sigma } else { 0.0 }
             }));
         }
         column.resize(column.len() + self.prior_count(), 0.0);
@@ -334,6 +359,7 @@ impl LeastSquaresProblem for TraceModel<'_> {
         // A later trigger shows a later part of the motion.
         let slope =
             |channel: usize, around: &[f64]| nuisances[channel].0 * 0.5 * (around[2] - around[0]);
+        let first = columns.len();
         columns.push(self.column(&traces, None, &slope));
         let mut prior = self.records.list.len() * self.records.axis.count;
         if self.has_time_base() {
@@ -352,11 +378,13 @@ impl LeastSquaresProblem for TraceModel<'_> {
             columns.push(column);
         }
         for (channel, record) in self.records.list.iter().enumerate() {
-            if self.offsets {
+            if self.offsets && record.has_offset() {
                 let level = if self.holds_offsets { 0.0 } else { record.level };
                 columns.push(self.column(&traces, Some(channel), &|_, _| level));
             }
         }
+        let samples = self.records.list.len() * self.records.axis.count;
+        columns[first..].iter_mut().for_each(|column| self.whiten(&mut column[..samples]));
         for place in x.len() - self.inputs.count()..x.len() {
             columns.push(self.by_difference(x, at, place)?);
         }

@@ -2,10 +2,20 @@
 //!
 //! A sample's standard deviation is the noise before the pulse, no less than what rounding leaves,
 //! `q/sqrt(12)`. Samples at the converter's ends may lie beyond, and have no weight.
+//!
+//! Drift, mains hum and 1/f noise are what the baseline says of them ([`crate::analysis::baseline`]):
+//! a mean at each sample and a sum of modes, each times an independent number of standard deviation
+//! one. The samples behind the baseline then have the covariance `C = 1 + F F^T` with the modes over
+//! `sigma` as columns of `F`; those of the baseline have had their say. A fit by least squares takes
+//! `W r` for the residuals `r`, with `W^T W = C^-1` (generalised least squares): mode by mode,
+//! `W r -> W r - (1 - 1/sqrt(1 + |p|^2)) p (p^T W r)/|p|^2` with `p = W f` for mode `f`.
+
+use std::ops::Range;
 
 use super::forward::TimeAxis;
 use super::{FitError, FitOptions};
 use crate::analysis::baseline::{Baseline, noise_of};
+use crate::analysis::disturbance::DisturbanceKind;
 use crate::analysis::pulse::{Conditions, Pulse};
 use crate::analysis::rounding::Rounding;
 use crate::measurement::compare::ComparedShot;
@@ -41,12 +51,23 @@ pub struct ChannelRecord {
     pub sigma: f64,
     /// One level (V).
     pub level: f64,
-    /// Which samples count.
+    /// Which samples are within the converter's range.
     pub counts: Vec<bool>,
+    /// Samples of the baseline, of which the disturbance has taken everything.
+    pub taken: Range<usize>,
     /// Noise and rounding before the pulse.
     pub rounding: Rounding,
     /// Samples that they were found from.
     pub quiet_samples: usize,
+    /// Kinds of disturbance that the baseline shows beyond doubt.
+    pub disturbed_by: Vec<DisturbanceKind>,
+    /// What disturbs the samples, as the baseline predicts it, less its mean there (V).
+    pub disturbance: Vec<f64>,
+    /// Modes of its error (V).
+    pub modes: Vec<Vec<f64>>,
+    /// How residuals become white, for each mode: the share of a direction that is taken off, and
+    /// the direction, a unit vector (1).
+    pub whitening: Vec<(f64, Vec<f64>)>,
     /// Relative standard uncertainty of the channel's gain: 0 for an exact one, infinite where
     /// nothing is known (1).
     pub gain_u: f64,
@@ -57,6 +78,71 @@ impl ChannelRecord {
     pub fn has_prior(&self) -> bool {
         self.gain_u > 0.0 && self.gain_u.is_finite()
     }
+
+    /// Whether its zero is a parameter: it is not where the disturbance contains it.
+    pub fn has_offset(&self) -> bool {
+        self.modes.is_empty()
+    }
+
+    /// Whether the sample at `index` has weight.
+    pub fn weighs(&self, index: usize) -> bool {
+        self.counts.get(index).is_some_and(|counts| *counts) && !self.taken.contains(&index)
+    }
+
+    /// The samples without the disturbance that the baseline predicts (V).
+    pub fn undisturbed(&self) -> impl Iterator<Item = f64> {
+        let volts = self.volts.iter().enumerate();
+        volts.map(|(index, volts)| volts - self.disturbance.get(index).unwrap_or(&0.0))
+    }
+
+    /// Makes `residuals` white (1).
+    pub fn whiten(&self, residuals: &mut [f64]) {
+        for factor in &self.whitening {
+            take_off(residuals, factor);
+        }
+    }
+
+    /// What disturbs the samples where the `residuals` are those behind a fit, white (V).
+    pub fn fitted_disturbance(&self, residuals: &[f64]) -> Vec<f64> {
+        let mut found = residuals.to_vec();
+        self.whitening.iter().rev().for_each(|factor| take_off(&mut found, factor));
+        let mut all = self.disturbance.clone();
+        all.resize(residuals.len(), 0.0);
+        for mode in &self.modes {
+            // Residuals without weight are zero.
+            let score: f64 = mode.iter().zip(&found).map(|(m, r)| m / self.sigma * r).sum();
+            all.iter_mut().zip(mode).for_each(|(value, m)| *value += score * m);
+        }
+        all
+    }
+
+    /// Takes over what the `baseline` says of a disturbance in the samples `range` of a record of
+    /// `length`.
+    fn follow(&mut self, baseline: &Baseline, range: Range<usize>, length: usize) {
+        let part = |values: Vec<f64>| values.get(range.clone()).unwrap_or_default().to_vec();
+        let zeros = part(baseline.zeros(length));
+        self.disturbance = zeros.into_iter().map(|zero| zero - baseline.level).collect();
+        self.modes = baseline.modes(length).into_iter().map(part).collect();
+        let inside = |index: usize| index.clamp(range.start, range.end) - range.start;
+        self.taken = inside(baseline.end - baseline.samples)..inside(baseline.end);
+        for mode in &self.modes {
+            let over_sigma =
+                |(index, v): (usize, &f64)| if self.weighs(index) { v / self.sigma } else { 0.0 };
+            let mut direction: Vec<f64> = mode.iter().enumerate().map(over_sigma).collect();
+            self.whitening.iter().for_each(|factor| take_off(&mut direction, factor));
+            let square: f64 = direction.iter().map(|v| v * v).sum();
+            if square > 0.0 {
+                direction.iter_mut().for_each(|v| *v /= square.sqrt());
+                self.whitening.push((1.0 - 1.0 / (1.0 + square).sqrt(), direction));
+            }
+        }
+    }
+}
+
+/// Takes the `share` of what goes along the unit vector `direction` off `residuals`.
+fn take_off(residuals: &mut [f64], (share, direction): &(f64, Vec<f64>)) {
+    let along: f64 = residuals.iter().zip(direction).map(|(r, d)| r * d).sum();
+    residuals.iter_mut().zip(direction).for_each(|(r, d)| *r -= share * along * d);
 }
 
 /// All channels that belong to the scene.
@@ -130,10 +216,12 @@ impl Records {
         self.list.iter().map(|record| (record.channel, record.vertical)).collect()
     }
 
-    /// Number of samples that count among the first `horizon` of each record.
+    /// Number of samples that have weight among the first `horizon` of each record.
     pub fn counted(&self, horizon: usize) -> usize {
-        let counts = self.list.iter().flat_map(|record| record.counts.iter().take(horizon));
-        counts.filter(|counts| **counts).count()
+        let of = |record: &ChannelRecord| {
+            (0..horizon.min(record.volts.len())).filter(|index| record.weighs(*index)).count()
+        };
+        self.list.iter().map(of).sum()
     }
 }
 
@@ -207,8 +295,9 @@ fn record(
     let all: Vec<f64> = waveform.values().collect();
     let conditions = Conditions { level, ..Conditions::default() };
     let found = capture.trace().map(|trace| Pulse::find(&trace, conditions));
-    let (baseline, sigma, rounding, quiet_samples) = if let Some(Ok(pulse)) = found {
-        let Baseline { level, rms, rounding, samples, .. } = pulse.baseline;
+    let quiet = found.and_then(Result::ok).map(|pulse| pulse.baseline);
+    let (baseline, sigma, rounding, quiet_samples) = if let Some(quiet) = &quiet {
+        let Baseline { level, rms, rounding, samples, .. } = *quiet;
         (level, noise_of(rms, rounding.level), rounding, samples)
     } else {
         notes.push(format!(
@@ -235,19 +324,36 @@ fn record(
     if lost > 0 {
         notes.push(format!("{name}: {lost} samples at the converter's ends have no weight"));
     }
-    ChannelRecord {
+    let mut record = ChannelRecord {
         name,
         sensor: wire.sensor.clone(),
         mapped_by: wire.by,
         channel: wire.simulated,
         vertical,
-        volts: all[range].to_vec(),
+        volts: all[range.clone()].to_vec(),
         baseline,
         sigma,
         level,
         counts,
+        taken: 0..0,
         rounding,
         quiet_samples,
+        disturbed_by: Vec::new(),
+        disturbance: Vec::new(),
+        modes: Vec::new(),
+        whitening: Vec::new(),
         gain_u: 0.0,
+    };
+    if let Some((quiet, found)) = quiet.as_ref().and_then(|q| Some((q, q.disturbance.as_ref()?))) {
+        record.follow(quiet, range, all.len());
+        record.disturbed_by.clone_from(&found.found);
+        if found.is_found() {
+            notes.push(format!(
+                "{}: found {} before the pulse: fitted along with the signal; earth the probe, trigger on line, take more pre-trigger or a shorter time base",
+                record.name,
+                found.words()
+            ));
+        }
     }
+    record
 }

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::records::{ChannelRecord, Records};
 use super::{FitOptions, Profile};
+use crate::analysis::disturbance::DisturbanceKind;
 use crate::analysis::least_squares::{Minimum, squares};
 use crate::measurement::compare::ComparedShot;
 use crate::numeric::intervals::NORMAL_95;
@@ -247,14 +248,16 @@ fn nuisances(
     let gains = records.list.iter().filter(|record| record.gain_u > 0.0);
     gains.for_each(|record| take(format!("gain of {}", record.name), 1.0));
     if options.offsets {
-        records.list.iter().for_each(|r| take(format!("offset of {}", r.name), r.level));
+        let with_offset = records.list.iter().filter(|record| record.has_offset());
+        with_offset.for_each(|r| take(format!("offset of {}", r.name), r.level));
     }
     found
 }
 
 fn channel(record: &ChannelRecord, residuals: &[f64]) -> ChannelResult {
     let in_levels = record.sigma / record.level;
-    let counted = record.counts.iter().filter(|counts| **counts).count().max(1) as f64;
+    let weighs = |index: &usize| record.weighs(*index);
+    let counted = (0..record.volts.len()).filter(weighs).count().max(1) as f64;
     let whole = squares(residuals);
     let neighbours: f64 = residuals.windows(2).map(|pair| pair[0] * pair[1]).sum();
     ChannelResult {
@@ -303,8 +306,10 @@ fn leftover(minimum: &Minimum, records: &Records, channels: &[ChannelResult]) ->
         let by_chance = NOISE_DEVIATIONS / (record.volts.len().max(1) as f64).sqrt();
         channel.lag_one.abs() > MAX_AUTOCORRELATION.max(by_chance) && !is_quiet(record)
     };
-    let following = channels.iter().zip(&records.list).filter(follows);
-    let following: Vec<&str> = following.map(|(channel, _)| channel.name.as_str()).collect();
+    let following: Vec<_> = channels.iter().zip(&records.list).filter(follows).collect();
+    let has_pink = |record: &ChannelRecord| record.disturbed_by.contains(&DisturbanceKind::Pink);
+    let is_pink = !following.is_empty() && following.iter().all(|(_, record)| has_pink(record));
+    let following: Vec<&str> = following.iter().map(|(channel, _)| channel.name.as_str()).collect();
     let quiet = records.list.iter().map(|record| record.quiet_samples).min().unwrap_or(0);
     let by_chance = 1.0 + NOISE_DEVIATIONS * (2.0 / quiet.max(2) as f64).sqrt();
     if variance <= MAX_RESIDUAL_VARIANCE.max(by_chance) && following.is_empty() {
@@ -312,9 +317,12 @@ fn leftover(minimum: &Minimum, records: &Records, channels: &[ChannelResult]) ->
     }
     let which =
         if following.is_empty() { String::new() } else { format!(" in {}", following.join(", ")) };
-    Some(format!(
-        "more than noise is left{which} (residual variance {variance:.3}): the scene leaves something out, and uncertainties do not hold"
-    ))
+    let why = if is_pink {
+        "1/f noise goes from sample to sample, and uncertainties do not hold: earth the probe, or average"
+    } else {
+        "the scene leaves something out, and uncertainties do not hold"
+    };
+    Some(format!("more than noise is left{which} (residual variance {variance:.3}): {why}"))
 }
 
 fn notes(

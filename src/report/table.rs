@@ -73,7 +73,11 @@ pub(super) fn decimals(u: f64) -> usize {
 /// A number in the given unit: `1.4601 ± 0.0023 GPa`.
 pub(super) fn plus_minus(value: f64, expanded: f64, unit: &str) -> String {
     let decimals = decimals(expanded);
-    format!("{value:.decimals$} ± {expanded:.decimals$} {unit}").trim_end().to_owned()
+    let value = format!("{value:.decimals$}");
+    // A zero of rounding has no sign.
+    let is_zero = value.chars().all(|c| !('1'..='9').contains(&c));
+    let value = if is_zero { value.trim_start_matches('-') } else { &value };
+    format!("{value} ± {expanded:.decimals$} {unit}").trim_end().to_owned()
 }
 
 /// A share in percent with its sign: `+8.6 ± 1.2 %`.
@@ -143,7 +147,7 @@ mod tests {
     fn both_numbers_have_the_larger_prefix() {
         assert_eq!(with_expanded(0.319, 0.0123, "N"), "319 ± 12 mN");
         assert_eq!(with_expanded(904e-9, 3.074e-6, "s"), "0.9 ± 3.1 µs");
-        assert_eq!(with_expanded(0.0, 3.074e-6, "s"), "0.0 ± 3.1 µs");
+        assert_eq!(with_expanded(-1e-9, 3.074e-6, "s"), "0.0 ± 3.1 µs");
         assert_eq!(signed_with_expanded(904e-9, None, "s"), "+904.0 ns");
     }
 }

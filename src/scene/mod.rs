@@ -123,11 +123,16 @@ pub struct Scene {
 impl Scene {
     /// Whether `[uncertainty]` states one of the number at `path` of a sensor.
     pub fn states_uncertainty_of(&self, path: &str) -> bool {
+        self.stated_uncertainty_of(path).is_some()
+    }
+
+    /// What `[uncertainty]` states of the number at `path` of a sensor.
+    pub fn stated_uncertainty_of(&self, path: &str) -> Option<&UncertainInput> {
         let any = match path.split('.').collect::<Vec<_>>()[..] {
             ["sensors", _, key] => format!("sensors.*.{key}"),
             _ => String::new(),
         };
-        self.uncertainty.iter().any(|input| input.path == path || input.path == any)
+        self.uncertainty.iter().find(|input| input.path == path || input.path == any)
     }
 
     /// Loads an included scene, by name, or a file, by path.

@@ -105,3 +105,19 @@ fn a_chain_is_a_chain_at_its_channel_and_range_alone() {
     let sensor = measured(&folder, &format!("{MINE}in_chain = true\n"));
     assert!(problems("magnet-0.61g", &sensor).contains("range"));
 }
+
+/// What the scene states of a sensitivity counts in forces: 3 % of each.
+#[test]
+fn the_scenes_uncertainty_of_a_sensitivity_counts_in_forces() {
+    let stated = "[uncertainty]\n\"sensors.*.sensitivity\" = \"3 %\"\n";
+    let [with, without] =
+        [stated, ""].map(|text| surveyed(&recorded(&scene("magnet-0.61g", text), 1e-3)));
+    for (with, without) in with.channels.iter().zip(&without.channels) {
+        let (with, without) = (with.height_n.expect("a peak"), without.height_n.expect("a peak"));
+        let expected = without.u.hypot(0.03 * without.value);
+        assert!((with.u / expected - 1.0).abs() < 1e-6, "{} {expected}", with.u);
+    }
+    let is_unknown = |note: &String| note.contains("the uncertainty of the sensitivity is unknown");
+    assert!(!with.notes.iter().any(is_unknown), "{:?}", with.notes);
+    assert!(without.notes.iter().any(is_unknown), "{:?}", without.notes);
+}
