@@ -99,15 +99,26 @@ pub struct NonLinearity {
     /// Its expanded uncertainty for 95 % (1).
     #[serde(rename = "nonlinearity_U95")]
     pub expanded: f64,
-    /// Largest distance of the line from the sensitivity within the range of forces, over it (1).
+    /// Largest distance of the line from the sensitivity within the range of forces, over the
+    /// change (1).
     #[serde(skip)]
-    pub largest: f64,
+    pub reach: f64,
 }
 
 impl NonLinearity {
     /// Whether it is more than its expanded uncertainty.
     pub fn is_found(&self) -> bool {
         self.change.abs() > self.expanded
+    }
+
+    /// Largest distance of the line from the sensitivity within the range of forces, over it (1).
+    pub fn largest(&self) -> f64 {
+        self.change.abs() * self.reach
+    }
+
+    /// The same where the change is as large as its 95 % interval allows (1).
+    pub fn largest_possible(&self) -> f64 {
+        (self.change.abs() + self.expanded) * self.reach
     }
 }
 
@@ -224,7 +235,7 @@ impl Calibration {
             ("Birge ratio", self.birge_ratio),
         ];
         let of_line =
-            self.nonlinearity.into_iter().flat_map(|n| [n.change, n.u, n.expanded, n.largest]);
+            self.nonlinearity.into_iter().flat_map(|n| [n.change, n.u, n.expanded, n.reach]);
         let of_draws = self.monte_carlo.into_iter().flat_map(|drawn| {
             [drawn.u, drawn.mean, drawn.interval_95[0], drawn.interval_95[1], drawn.tolerance]
         });
@@ -288,7 +299,7 @@ pub(super) fn assemble(
     let nonlinearity = nonlinearity(&equation, &peaks, shape);
     if let Some(line) = nonlinearity.filter(NonLinearity::is_found) {
         // Anywhere between the line and the mean, evenly.
-        equation.set_u(InputKind::NonLinearity, line.largest * sensitivity / 3f64.sqrt());
+        equation.set_u(InputKind::NonLinearity, line.largest() * sensitivity / 3f64.sqrt());
     }
     let budget = equation.budget();
     let u = budget.iter().map(|line| line.contribution.powi(2)).sum::<f64>().sqrt();
@@ -396,7 +407,7 @@ fn nonlinearity(equation: &MeasurementEquation, peaks: &[f64], shape: f64) -> Op
         change: slope * (high - low) / whole,
         u,
         expanded: student_95(freedom) * u,
-        largest: slope.abs() * (high / shape - force).max(force - low / shape) / whole,
+        reach: (high / shape - force).max(force - low / shape) / (high - low),
     })
 }
 
@@ -433,6 +444,15 @@ fn notes(found: &Calibration, common: &Common, tail: Option<(f64, f64)>) -> Vec<
     let mixed = used.filter_map(|i| i.impact.as_ref()).any(|i| i.negative != found.negative);
     if mixed {
         notes.push("some pulses are positive and some negative: check the polarity".to_owned());
+    }
+    let hidden =
+        |line: &NonLinearity| !line.is_found() && line.largest_possible() > found.expanded_relative;
+    if let Some(line) = found.nonlinearity.filter(hidden) {
+        notes.push(format!(
+            "the impacts leave open whether the sensitivity at the ends of the range of forces differs by up to {:.2} %, which the expanded uncertainty of {:.2} % does not contain: more impacts there tell",
+            100.0 * line.largest_possible(),
+            100.0 * found.expanded_relative
+        ));
     }
     if let Some(line) = found.nonlinearity.filter(NonLinearity::is_found) {
         notes.push(format!(

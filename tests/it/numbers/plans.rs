@@ -93,25 +93,46 @@ fn intervals_hold_where_impacts_scatter_more_than_stated() {
 /// its sensitivity at that force.
 #[test]
 fn a_non_linearity_that_is_found_counts() {
+    let (inside, found_it, _) = bent(0.04);
+    // Where noise hides it, nothing can be counted.
+    assert!(inside >= found_it - 3, "{inside} of {found_it}");
+    assert!(found_it > 30, "{found_it} found");
+}
+
+/// One of 2 % is hidden by noise more often than not: of 60 certificates 13 contain the sensitivity
+/// at the highest force, and 6 find that it changes. A note on the others says how much it may be.
+#[test]
+fn a_non_linearity_that_noise_hides_is_told() {
+    let (inside, found_it, told) = bent(0.02);
+    println!("{inside} inside, {found_it} found, {told} inside, found or told");
+    // 57 of 60 on average; fewer than 52 in 0.3 % of all cases.
+    assert!(told >= 52, "{told} of 60");
+}
+
+/// Of 60 calibrations of a sensor whose sensitivity rises by the share `bend` up to the highest
+/// force: how many contain the sensitivity there, how many find that it changes, and how many do
+/// either, or say that it may.
+fn bent(bend: f64) -> (i32, i32, i32) {
     let circuit = BENCH.designer.circuit().expect("a circuit");
     let highest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
     let top = BENCH.truths.iter().map(|t| highest(&t.force.values)).fold(0.0, f64::max);
     let mut truths = BENCH.truths.clone();
     for force in truths.iter_mut().flat_map(|truth| &mut truth.force.values) {
-        *force *= 1.0 + 0.04 * *force / top;
+        *force *= 1.0 + bend * *force / top;
     }
-    let (mut inside, mut found_it) = (0, 0);
+    let (mut inside, mut found_it, mut told) = (0, 0, 0);
     for repeat in 0..60 {
         let setup = (&BENCH.setup, 3000 + repeat);
         let found = calibrated(&BENCH.designer.blind(&BENCH.striker, &truths, circuit, setup));
-        let there = 1.04 * circuit.sensitivity;
-        found_it += i32::from(found.nonlinearity.is_some_and(|line| line.is_found()));
-        inside += i32::from((found.sensitivity - there).abs() <= found.expanded);
+        let there = (1.0 + bend) * circuit.sensitivity;
+        let is_found = found.nonlinearity.is_some_and(|line| line.is_found());
+        let is_inside = (found.sensitivity - there).abs() <= found.expanded;
+        let is_told = found.notes.iter().any(|note| note.contains("ends of the range of forces"));
+        found_it += i32::from(is_found);
+        inside += i32::from(is_inside);
+        told += i32::from(is_inside || is_found || is_told);
     }
-    println!("{found_it} found, {inside} inside");
-    // Where noise hides it, nothing can be counted.
-    assert!(inside >= found_it - 3, "{inside} of {found_it}");
-    assert!(found_it > 30, "{found_it} found");
+    (inside, found_it, told)
 }
 
 /// Half of the heights ten times too large: the impacts contradict each other. No certificate, exit
