@@ -1,9 +1,9 @@
 //! A page of results as PDF on sheets of A4: headings, paragraphs, lists, tables and pictures, with
 //! the title and the number of the sheet in each foot.
 //!
-//! Each part becomes blocks, one below the other: a line of a paragraph, a row of a table, a picture
-//! with its caption. A sheet ends above the block that no longer fits. Blocks that stay with the
-//! next one, such as headings, move with it. A table goes on below its heading row.
+//! Each part becomes blocks, one below the other: a line of a paragraph, a row of a table, a
+//! picture with its caption. A sheet ends above the block that no longer fits. Blocks that stay
+//! with the next one, such as headings, move with it. A table goes on below its heading row.
 
 use super::page::{Part, is_narrow};
 use super::pdf::{Pages, PdfError, Picture};
@@ -292,8 +292,8 @@ impl Setter {
         Ok(Columns { size, widths, left })
     }
 
-    /// Lines of `words` that are at most so wide (pt). A word that is wider is broken, behind a mark
-    /// if there is one in the second half of the line.
+    /// Lines of `words` that are at most so wide (pt). A word that is wider is broken, behind a
+    /// mark if there is one in the second half of the line.
     fn wrap(&self, words: &str, size: f64, room: f64) -> Vec<String> {
         let width = |text: &str| size * self.pages.width(text);
         let mut lines = Vec::new();
@@ -349,8 +349,8 @@ impl Setter {
     }
 }
 
-/// Columns in groups whose `widths` (pt) fit on a sheet, each with the first column; none of a table
-/// whose first two columns do not fit.
+/// Columns in groups whose `widths` (pt) fit on a sheet, each with the first column; none of a
+/// table whose first two columns do not fit.
 fn groups(widths: &[f64]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     let first = widths.first().copied().unwrap_or(0.0);

@@ -2,9 +2,9 @@
 //! The program's own font is embedded.
 //!
 //! [`pdf`] draws a picture on one page of its size; `report/a4.rs` sets text, tables and pictures
-//! on pages of A4. Of pictures it reads what [`plot::svg`](super::plot::svg()) writes: `rect`, `path` with the commands
-//! `MLHVhZ`, `circle`, `text` and groups with a translation or a clip path. Source: ISO
-//! 32000-1:2008.
+//! on pages of A4. Of pictures it reads what [`plot::svg`](super::plot::svg()) writes: `rect`,
+//! `path` with the commands `MLHVhZ`, `circle`, `text` and groups with a translation or a clip
+//! path. Source: ISO 32000-1:2008.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
