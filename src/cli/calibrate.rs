@@ -8,8 +8,9 @@ use serde::Serialize;
 
 use super::AnswerIsNo;
 use super::acquire::one_shot;
+use super::document;
 use super::input::TableArguments;
-use super::overwrite::OverwriteArguments;
+use super::overwrite::{OverwriteArguments, ending};
 use super::picture::PictureArguments;
 use super::progress::JobProgress;
 use crate::calibrate::blind::{CalibrationCoverage, coverage};
@@ -22,6 +23,7 @@ use crate::recording::mcap;
 use crate::report::calibration::page;
 use crate::report::calibration_design::design_page;
 use crate::report::dcc;
+use crate::report::page::{html, markdown};
 use crate::report::certificate::{
     SENSITIVITY_FILE, certificate, missing, pictures, sensitivity_picture,
 };
@@ -68,10 +70,14 @@ pub struct Arguments {
     /// Write certificate, JSON, pictures and the sensor's file into this folder
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
+    /// Write the certificate alone into this file (.pdf, .html, .md)
+    #[arg(long, value_name = "FILE", conflicts_with = "simulate")]
+    certificate: Option<PathBuf>,
     /// Write a digital calibration certificate (DCC 3.3.0) into this file
     #[arg(long, value_name = "FILE.xml", conflicts_with = "simulate")]
     dcc: Option<PathBuf>,
-    /// Write a certificate although the plan's data contradict each other; replace a picture
+    /// Write a certificate although the plan's data contradict each other; replace a
+    /// picture or a certificate
     #[arg(long, conflicts_with = "simulate")]
     force: bool,
     #[command(flatten)]
@@ -86,7 +92,12 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let Some(plan) = &arguments.plan else { return simulate(arguments) };
-    arguments.plot.check(OverwriteArguments::forced(arguments.force))?;
+    let overwrite = OverwriteArguments::forced(arguments.force);
+    arguments.plot.check(overwrite)?;
+    if let Some(file) = &arguments.certificate {
+        ending(file, document::ENDINGS)?;
+        overwrite.check(file)?;
+    }
     let file = plan;
     let mut plan = plan::load(file)?;
     if arguments.dcc.is_some() {
@@ -101,6 +112,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     if !refused {
         arguments.plot.save(&found, || sensitivity_picture(&found))?;
+    }
+    if let Some(file) = arguments.certificate.as_ref().filter(|_| !refused) {
+        let (title, parts) = certificate(&found, &pictures(&found));
+        document::write(file, &title, &|_| parts.clone())?;
     }
     if let Some(file) = arguments.dcc.as_ref().filter(|_| !refused) {
         let text = dcc::dcc(&found)?;
@@ -117,13 +132,15 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.json {
         return Ok(());
     }
-    if let Some(folder) = &arguments.output {
-        super::print(&format!("  certificate {}", folder.join("certificate.html").display()))?;
-        let missing = missing(&found);
-        if !missing.is_empty() {
-            let keys = missing.join(", ");
-            super::print(&format!("  it lacks    what ISO/IEC 17025, 7.8, asks for: {keys}"))?;
-        }
+    let in_folder = arguments.output.as_ref().map(|folder| folder.join("certificate.html"));
+    let written: Vec<&PathBuf> = in_folder.iter().chain(&arguments.certificate).collect();
+    for file in &written {
+        super::print(&format!("  certificate {}", file.display()))?;
+    }
+    let missing = missing(&found);
+    if !written.is_empty() && !missing.is_empty() {
+        let keys = missing.join(", ");
+        super::print(&format!("  it lacks    what ISO/IEC 17025, 7.8, asks for: {keys}"))?;
     }
     Ok(())
 }
@@ -213,19 +230,21 @@ fn write_test(folder: &Path, designer: &Designer, best: &TestDesign) -> anyhow::
 
 fn write(folder: &Path, report: &CalibrationReport) -> anyhow::Result<()> {
     let pictures = pictures(report);
-    let (markdown, html) = certificate(report, &pictures);
+    let (title, parts) = certificate(report, &pictures);
     // A name is a name, no path.
     let sensor = report.named.sensor.replace(['/', '\\'], "-");
     let files = [
-        ("certificate.md".to_owned(), markdown),
-        ("certificate.html".to_owned(), html),
-        ("calibration.json".to_owned(), to_json(report)? + "\n"),
-        (format!("{sensor}.toml"), sensor_file(report)),
+        ("certificate.md".to_owned(), markdown(&parts).into_bytes()),
+        ("certificate.html".to_owned(), html(&title, &parts).into_bytes()),
+        #[cfg(feature = "png")]
+        ("certificate.pdf".to_owned(), document::pdf("certificate.pdf", &title, &parts)?),
+        ("calibration.json".to_owned(), (to_json(report)? + "\n").into_bytes()),
+        (format!("{sensor}.toml"), sensor_file(report).into_bytes()),
     ];
     let write = || {
         let new = NewFolder::replace(folder)?;
         let pictures =
-            pictures.iter().map(|(name, sheet)| (name.clone(), svg(sheet, Theme::Light)));
+            pictures.iter().map(|(name, sheet)| (name.clone(), svg(sheet, Theme::Light).into_bytes()));
         let whole = svg(&sensitivity_picture(report), Theme::Light);
         files::write(&new.join(SENSITIVITY_FILE), whole)?;
         for (name, text) in files.into_iter().chain(pictures) {

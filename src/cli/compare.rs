@@ -1,13 +1,13 @@
 //! `hertzscope compare`: a measurement compared with a simulation.
 
-use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use anyhow::{anyhow, bail};
+use anyhow::bail;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::budget::DrawArguments;
+use super::document;
 use super::input::{
     SensorAssignment, Selection, TableArguments, assignment, channels, shot, wire_all, wired,
 };
@@ -16,7 +16,6 @@ use super::picture::PlotArguments;
 use super::progress::JobProgress;
 use super::provenance::Provenance;
 use crate::experiment::{self, Integration, facts};
-use crate::files;
 use crate::measurement::compare::mapping::Assignment;
 use crate::measurement::compare::score_limits::ScoreLimits;
 use crate::measurement::compare::{Align, Compared, ComparedShot, Comparison, compare};
@@ -27,8 +26,7 @@ use crate::recording::format::{Format, open_shot};
 use crate::recording::tek_csv::TableColumns;
 use crate::recording::{TraceSet, mcap};
 use crate::report;
-use crate::report::page::{self, Part, html, markdown};
-use crate::report::plot::{Theme, svg};
+use crate::report::page;
 use crate::scene::Scene;
 use crate::scene::random_inputs::RandomInput;
 
@@ -71,7 +69,7 @@ pub struct Arguments {
     /// Shot of the simulated recording to compare with
     #[arg(long, value_name = "N", default_value_t = 1)]
     simulated_shot: u32,
-    /// Write a report with plots (.md, .html), or the measurement with its scores (.mcap)
+    /// Write a report with plots (.pdf, .html, .md), or the measurement with its scores (.mcap)
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -116,8 +114,9 @@ struct Scores<'a> {
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     arguments.plot.check()?;
+    let endings = [document::ENDINGS, &["mcap"]].concat();
     if let Some(file) = &arguments.output {
-        ending(file, &["md", "html", "mcap"])?;
+        ending(file, &endings)?;
     }
     let number = arguments.selection.single();
     if Format::of(Path::new(&arguments.simulated)).is_none() {
@@ -160,13 +159,13 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     };
     let title = format!("{name} against {}", arguments.simulated);
     if let Some(file) = &arguments.output {
-        if ending(file, &["md", "html", "mcap"])? == "mcap" {
+        if ending(file, &endings)? == "mcap" {
             let facts = report::comparison_facts(comparison);
             write_scores(file, &arguments.measured, &mut set, facts)?;
         } else {
             let made_from = provenance.parts()?;
-            let document = |stem: &str| [parts(stem), made_from.clone()].concat();
-            write_document(file, &title, &document)?;
+            let parts = |stem: &str| [parts(stem), made_from.clone()].concat();
+            document::write(file, &title, &parts)?;
         }
     }
     let picture = || page::picture(&title, &report::comparison_page(&compared, &predicted.bands, ""));
@@ -237,36 +236,6 @@ impl Simulation {
         let set = facts::recording(&scene, integration, [outcome?])?;
         Ok(Self { set, shot: 1, scene: Some(scene) })
     }
-}
-
-/// Writes a document; pictures of a Markdown one lie beside it.
-pub fn write_document(
-    file: &Path,
-    title: &str,
-    parts: &dyn Fn(&str) -> Vec<Part>,
-) -> anyhow::Result<()> {
-    let stem = file.file_stem().and_then(OsStr::to_str).unwrap_or("report");
-    let parts = parts(stem);
-    let page = match ending(file, &["md", "html"])? {
-        "html" => html(title, &parts),
-        _ => markdown(&parts),
-    };
-    let pictures = parts.iter().filter_map(|part| match part {
-        Part::Picture(name, _, sheet) => {
-            Some((file.with_file_name(name), svg(sheet, Theme::Light)))
-        }
-        _ => None,
-    });
-    let mut all: Vec<(PathBuf, String)> = pictures.collect();
-    if ending(file, &["html"]).is_ok() {
-        all.clear();
-    }
-    // The page last: it names the pictures.
-    all.push((file.to_owned(), page));
-    let all: Vec<(PathBuf, &str)> =
-        all.iter().map(|(file, text)| (file.clone(), text.as_str())).collect();
-    files::write_together(&all)
-        .map_err(|(file, error)| anyhow!(error).context(file.display().to_string()))
 }
 
 /// The measurement as a recording with its scores among the metadata.

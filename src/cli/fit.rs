@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::AnswerIsNo;
 use super::accuracy::accuracy;
-use super::compare::write_document;
+use super::document;
 use super::input::{Selection, TableArguments, assignment, shot};
 use super::overwrite::ending;
 use super::picture::PlotArguments;
@@ -90,14 +90,12 @@ pub struct Arguments {
     profile: bool,
     /// Test the fit: simulate this many measurements with random true values; shows how many
     /// intervals contain them
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000), conflicts_with_all = ["output", "report", "plot"])]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000), conflicts_with_all = ["output", "plot"])]
     blind: Option<u32>,
-    /// Write the fitted scene, with SCENE as its base, into this file
-    #[arg(short, long, value_name = "FILE.toml")]
-    output: Option<PathBuf>,
-    /// Write a report with plots (.md, .html)
-    #[arg(long, value_name = "FILE")]
-    report: Option<PathBuf>,
+    /// Write the fitted scene, with SCENE as its base (.toml), or a report with plots (.pdf, .html,
+    /// .md); once for each
+    #[arg(short, long, alias = "report", value_name = "FILE")]
+    output: Vec<PathBuf>,
     #[command(flatten)]
     plot: PlotArguments,
     /// Print as JSON
@@ -109,13 +107,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    if let Some(file) = &arguments.output {
-        ending(file, &["toml"])?;
-    }
-    if let Some(file) = &arguments.report {
-        ending(file, &["md", "html"])?;
-        arguments.plot.overwrite.check(file)?;
-    }
+    outputs(arguments)?;
     arguments.plot.check()?;
     let options = FitOptions {
         gains: arguments.gains,
@@ -143,6 +135,24 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
             bail!("found a measurement with --blind, expected the scene alone: fit --blind N SCENE")
         }
     }
+}
+
+/// The files for the fitted scene and for the report, by their endings.
+fn outputs(arguments: &Arguments) -> anyhow::Result<[Option<&PathBuf>; 2]> {
+    let endings = [&["toml"], document::ENDINGS].concat();
+    let mut files = [None; 2];
+    for file in &arguments.output {
+        let is_report = ending(file, &endings)? != "toml";
+        if let Some(other) = files[usize::from(is_report)].replace(file) {
+            let what = if is_report { "report" } else { "fitted scene" };
+            bail!(
+                "{}: found a second file for the {what}, expected one beside {}",
+                file.display(),
+                other.display()
+            );
+        }
+    }
+    Ok(files)
 }
 
 /// The scene and what is freed of it.
@@ -182,6 +192,7 @@ fn run_fit(
     scene: &str,
     options: &FitOptions,
 ) -> anyhow::Result<()> {
+    let [scene_file, report_file] = outputs(arguments)?;
     let number = arguments.selection.single();
     let (mut scene, knobs) = freed(arguments, scene)?;
     let mut set = arguments.table.open_shot(Path::new(measured), number)?;
@@ -200,13 +211,13 @@ fn run_fit(
     }
     let found = found?;
     report::check_finite(&found.report)?;
-    if let Some(file) = &arguments.output {
+    if let Some(file) = scene_file {
         // Its numbers may come from the scene's files.
         RandomInputs::of(&mut scene)?;
-        let text = fitted_scene(&scene, &knobs, &found);
+        let text = fitted_scene(&scene, &knobs, &found, file);
         files::write(file, text).with_context(|| file.display().to_string())?;
     }
-    if let Some(file) = &arguments.report {
+    if let Some(file) = report_file {
         let title = format!("{} fitted to {measured}", found.report.scene);
         let whole = scene.scene()?;
         let paths: Vec<&str> = knobs.iter().map(|knob| knob.path.as_str()).collect();
@@ -219,13 +230,13 @@ fn run_fit(
             uncertain: (inputs.list(), meaning),
         };
         let made_from = provenance.parts()?;
-        let document = |stem: &str| [report::fit_page(&found, stem), made_from.clone()].concat();
-        write_document(file, &title, &document)?;
+        let parts = |stem: &str| [report::fit_page(&found, stem), made_from.clone()].concat();
+        document::write(file, &title, &parts)?;
     }
     let title = format!("{} fitted to {measured}", found.report.scene);
     arguments.plot.save(&found.report, || picture(&title, &report::fit_page(&found, "")))?;
     super::show(&found.report, arguments.json, |_| text(&report::fit_page(&found, "")))?;
-    if let Some(file) = arguments.output.as_ref().filter(|_| !arguments.json) {
+    if let Some(file) = scene_file.filter(|_| !arguments.json) {
         super::print(&format!("  scene    {}", file.display()))?;
     }
     if found.report.only_noise_is_left { Ok(()) } else { Err(AnswerIsNo.into()) }
@@ -239,7 +250,12 @@ const MOVED: &str = "values that the scene states as uncertain, each fitted with
 const INPUT_DIGITS: f64 = 1e-4;
 
 /// The fitted scene; digits two places beyond the uncertainty's.
-fn fitted_scene(scene: &Adjustable, knobs: &[AdjustableNumber], found: &Fit) -> String {
+fn fitted_scene(
+    scene: &Adjustable,
+    knobs: &[AdjustableNumber],
+    found: &Fit,
+    file: &Path,
+) -> String {
     let digits = |u: f64, scale: f64| {
         let digits = 3.0 - (u / scale).log10().floor();
         if digits.is_finite() { digits.clamp(0.0, 15.0) as usize } else { 15 }
@@ -251,7 +267,7 @@ fn fitted_scene(scene: &Adjustable, knobs: &[AdjustableNumber], found: &Fit) -> 
         (knob, value, digits(INPUT_DIGITS * value.abs(), knob.scale))
     });
     let title = format!("{} fitted to {}", found.report.scene, found.report.measured);
-    scene.derived(&freed.chain(moved).collect::<Vec<_>>(), &title)
+    scene.derived(&freed.chain(moved).collect::<Vec<_>>(), &title, file)
 }
 
 fn run_blind(

@@ -3,6 +3,7 @@
 //! Exit code 0: done; 1: done, and the answer is no; 2: could not.
 
 mod accuracy;
+mod document;
 mod input;
 pub mod installation;
 mod output;

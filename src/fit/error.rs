@@ -78,13 +78,15 @@ pub enum FitError {
     LeastSquares(#[from] LeastSquaresError),
     /// The traces do not determine a parameter.
     #[error(
-        "these traces do not determine {parameter}{with}: free fewer parameters, or use a record of this scene"
+        "these traces do not determine {parameter}{with}: free fewer parameters, or use a record of this scene{why}"
     )]
     Undetermined {
         /// The parameter.
         parameter: String,
         /// The parameters that it depends on.
         with: String,
+        /// What is known of the reason; may be empty.
+        why: &'static str,
     },
 }
 

@@ -95,8 +95,9 @@ pub fn fit(
     let inputs = model.inputs.clone();
     let names = model.names();
     let shown = model.shown(&minimum.x).ok_or(LeastSquaresError::NoStart)?;
+    let why = if options.gains { FREE_GAINS } else { "" };
     let covariance = covariance::of(&minimum, &records, &shown)
-        .map_err(|u| undetermined(&minimum, &names, u.parameter))?;
+        .map_err(|u| undetermined(&minimum, &names, u.parameter, why))?;
     for (place, knob) in knobs.iter().enumerate() {
         let (value, u) = (minimum.x[place], covariance[place][place].sqrt());
         // An interval that holds zero, or no number, says nothing about a quantity that starts away
@@ -107,7 +108,7 @@ pub fn fit(
             let (value, u) = (scaled(value), scaled(NORMAL_95 * u));
             let u = if (0.01..1e4).contains(&u) { format!("{u:.2}") } else { format!("{u:.0e}") };
             let with = format!(" ({value:.3} ± {u} {})", knob.unit);
-            return Err(FitError::Undetermined { parameter: knob.path.clone(), with });
+            return Err(FitError::Undetermined { parameter: knob.path.clone(), with, why });
         }
     }
     // Inputs that the scene states are known: nothing is badly determined beside them.
@@ -194,8 +195,17 @@ fn check_times(records: &Records, duration: f64) -> Result<(), FitError> {
     Ok(())
 }
 
+/// What free gains leave. By Hertz's law the times of an uncompressed chain scale with
+/// `(m^2 / (E^2 R v))^(1/5)`, and its forces have a factor of their own, which a gain takes in.
+const FREE_GAINS: &str = "; with a free gain for each channel only times and shapes of pulses count, and of an uncompressed chain these determine E^2 v alone, modulus squared times speed: fix one of the two, or state what is known of the gains with --gain-u";
+
 /// The parameter that is not determined, and the one that it goes with most.
-fn undetermined(minimum: &Minimum, names: &[String], parameter: usize) -> FitError {
+fn undetermined(
+    minimum: &Minimum,
+    names: &[String],
+    parameter: usize,
+    why: &'static str,
+) -> FitError {
     let columns = &minimum.columns;
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let own = columns.get(parameter).map_or(&[][..], Vec::as_slice);
@@ -209,5 +219,6 @@ fn undetermined(minimum: &Minimum, names: &[String], parameter: usize) -> FitErr
     FitError::Undetermined {
         parameter: name(parameter),
         with: nearest.map_or_else(String::new, |other| format!(" beside {}", name(other))),
+        why,
     }
 }

@@ -74,6 +74,10 @@ pub struct ChannelResult {
     pub mapped_by: &'static str,
     /// Standard deviation that each sample was given (V).
     pub sigma_v: f64,
+    /// Root mean square of measured less fitted (V).
+    pub rms_v: f64,
+    /// Largest of them (V).
+    pub max_v: f64,
     /// Root mean square of measured less fitted, in levels (1).
     pub rms_lsb: f64,
     /// Largest of them, in levels (1).
@@ -255,18 +259,21 @@ fn nuisances(
 }
 
 fn channel(record: &ChannelRecord, residuals: &[f64]) -> ChannelResult {
-    let in_levels = record.sigma / record.level;
     let weighs = |index: &usize| record.weighs(*index);
     let counted = (0..record.volts.len()).filter(weighs).count().max(1) as f64;
     let whole = squares(residuals);
+    let rms_v = (whole / counted).sqrt() * record.sigma;
+    let max_v = residuals.iter().fold(0.0, |most: f64, r| most.max(r.abs())) * record.sigma;
     let neighbours: f64 = residuals.windows(2).map(|pair| pair[0] * pair[1]).sum();
     ChannelResult {
         name: record.name.clone(),
         sensor: record.sensor.clone(),
         mapped_by: record.mapped_by,
         sigma_v: record.sigma,
-        rms_lsb: (whole / counted).sqrt() * in_levels,
-        max_lsb: residuals.iter().fold(0.0, |most: f64, r| most.max(r.abs())) * in_levels,
+        rms_v,
+        max_v,
+        rms_lsb: rms_v / record.level,
+        max_lsb: max_v / record.level,
         lag_one: if whole > 0.0 { neighbours / whole } else { 0.0 },
     }
 }

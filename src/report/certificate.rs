@@ -4,7 +4,7 @@
 use super::calibration::{
     budget_rows, conformity, exclusions, impact_rows, number_of_key, results, why_factor,
 };
-use super::page::{Part, html, markdown};
+use super::page::Part;
 use super::plot::{Axis, COLOURS, Plot, Series, Sheet, Stroke, trace_points};
 use crate::calibrate::{CalibrationReport, ImpactResult};
 use crate::numeric::intervals::NORMAL_95;
@@ -261,12 +261,10 @@ fn recordings(report: &CalibrationReport) -> Part {
     Part::Table(super::table::titled(head, rows), &[0, 1, 2, 3, 6])
 }
 
-fn parts(report: &CalibrationReport, pictures: &[(String, Sheet)]) -> Vec<Part> {
+fn parts(title: &str, report: &CalibrationReport, pictures: &[(String, Sheet)]) -> Vec<Part> {
     let named = &report.named;
     let rows = |entries: Vec<Entry>| entries.iter().map(Entry::row).collect::<Vec<_>>();
-    let mut parts =
-        vec![Part::Heading(1, format!("Calibration certificate {}", number_of_key(named)))];
-    parts.push(Part::Paragraph(named.title.clone()));
+    let mut parts = vec![Part::Heading(1, title.to_owned()), Part::Paragraph(named.title.clone())];
     parts.push(two_columns(rows(identification(report)), ["", ""]));
     parts.extend(result_parts(report));
     parts
@@ -298,11 +296,14 @@ fn parts(report: &CalibrationReport, pictures: &[(String, Sheet)]) -> Vec<Part> 
     parts
 }
 
-/// The certificate as Markdown and as HTML; `pictures` are file names and contents, one an impact.
-pub fn certificate(report: &CalibrationReport, pictures: &[(String, Sheet)]) -> (String, String) {
-    let parts = parts(report, pictures);
+/// Title and parts of the certificate; `pictures` are file names and contents, one an impact.
+pub fn certificate(
+    report: &CalibrationReport,
+    pictures: &[(String, Sheet)],
+) -> (String, Vec<Part>) {
     let title = format!("Calibration certificate {}", number_of_key(&report.named));
-    (markdown(&parts), html(&title, &parts))
+    let parts = parts(&title, report, pictures);
+    (title, parts)
 }
 
 /// Pictures of all impacts: the force, and behind it the force by the voltage alone; file names and

@@ -62,8 +62,8 @@ fn channel_rows(report: &FitReport) -> Vec<Vec<String>> {
         vec![
             format!("{} {}", c.name, c.sensor.as_deref().unwrap_or("")).trim_end().to_owned(),
             engineering(c.sigma_v, "V", 3),
-            format!("{:.3} LSB", c.rms_lsb),
-            format!("{:.2} LSB", c.max_lsb),
+            engineering(c.rms_v, "V", 3),
+            engineering(c.max_v, "V", 3),
             format!("{:+.3}", c.lag_one),
             c.mapped_by.to_owned(),
         ]

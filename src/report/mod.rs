@@ -1,5 +1,7 @@
 //! Results as text and pictures for people.
 
+#[cfg(feature = "png")]
+mod a4;
 mod arrivals;
 pub mod calibration;
 pub mod calibration_design;
@@ -36,6 +38,8 @@ mod tunability;
 mod uncertainty;
 mod work_precision;
 
+#[cfg(feature = "png")]
+pub use a4::page_pdf;
 pub use arrivals::{arrivals, arrivals_picture};
 pub use comparison::{comparison_facts, comparison_page};
 pub use contents::{contents_after, contents_before, contents_of, utc};

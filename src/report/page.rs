@@ -1,5 +1,5 @@
 //! A page of results: headings, paragraphs, tables, notes and pictures, as text for a terminal, as
-//! Markdown, or as a page of HTML that needs no other file.
+//! Markdown, or as a page of HTML that needs no other file; as PDF in `report/a4.rs`.
 
 use std::fmt::Write as _;
 
@@ -8,7 +8,7 @@ use super::plot::{Sheet, Theme, svg, with_minus_signs};
 use super::table;
 use crate::quantity::printable_line;
 
-/// Frames narrower than this are side by side in HTML (pixels).
+/// Frames narrower than this are side by side in HTML and PDF (pixels).
 const NARROW: f64 = 400.0;
 
 /// A part of a page.
@@ -39,6 +39,11 @@ impl Part {
         let has_rows = matches!(&parts[1], Self::Table(rows, _) if rows.len() > 1);
         parts.into_iter().filter(move |_| has_rows)
     }
+}
+
+/// Whether two pictures are side by side where a page is wide.
+pub(super) fn is_narrow(sheet: &Sheet) -> bool {
+    sheet.columns == 1 && sheet.size.0 < NARROW
 }
 
 /// All pictures of a page as one. Panels over the same quantity have the same abscissa.
@@ -160,8 +165,7 @@ pub fn html(title: &str, parts: &[Part]) -> String {
             Part::Picture(_, shown, sheet) => {
                 let (svg, shown) = (svg(sheet, Theme::Light), escape(shown));
                 // Narrow ones are side by side.
-                let is_narrow = sheet.columns == 1 && sheet.size.0 < NARROW;
-                let class = if is_narrow { " class=\"n\"" } else { "" };
+                let class = if is_narrow(sheet) { " class=\"n\"" } else { "" };
                 writeln!(body, "<figure{class}>\n{svg}<figcaption>{shown}</figcaption>\n</figure>")
             }
         };

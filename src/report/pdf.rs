@@ -1,11 +1,12 @@
-//! Pictures as PDF: lines, areas and text of the SVG that this program writes, so that text can be
-//! searched and copied. The program's own font is embedded.
+//! PDF files of one or more pages: lines, areas and text, so that text can be searched and copied.
+//! The program's own font is embedded.
 //!
-//! It reads what [`plot::svg`](super::plot::svg()) writes: `rect`, `path` with the commands
-//! `MLHVhZ`, `circle`, `text` and groups with a translation or a clip path. Source: ISO
-//! 32000-1:2008.
+//! [`pdf`] draws a picture on one page of its size; `report/a4.rs` sets text, tables and pictures
+//! on pages of A4. Of pictures it reads what [`plot::svg`](super::plot::svg()) writes: `rect`,
+//! `path` with the commands `MLHVhZ`, `circle`, `text` and groups with a translation or a clip
+//! path. Source: ISO 32000-1:2008.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use roxmltree::{Document, Node};
@@ -36,26 +37,35 @@ pub enum PdfError {
 /// # Errors
 /// [`PdfError`] where `svg` is not valid SVG.
 pub fn pdf(svg: &str) -> Result<Vec<u8>, PdfError> {
-    let document = Document::parse(svg)?;
-    let root = document.root_element();
-    let face = Face::parse(FONT, 0)?;
-    let sides: Vec<f64> = root.attribute("viewBox").map(numbers).unwrap_or_default();
-    let (wide, high) = sides.get(2).copied().zip(sides.get(3).copied()).unwrap_or((1.0, 1.0));
-    let millimetres =
-        root.attribute("width").and_then(|width| width.strip_suffix("mm")?.parse().ok());
-    let point = millimetres.map_or(PIXEL, |width: f64| width * MILLIMETRE / wide);
-    let mut page = Page {
-        document: &document,
-        face: &face,
-        operators: String::new(),
-        glyphs: BTreeMap::new(),
-    };
-    // A picture's ordinate points down.
-    page.write(format_args!("{point:.6} 0 0 {:.6} 0 {:.3} cm", -point, high * point));
-    page.children(root);
-    let Page { operators, glyphs, .. } = page;
-    let size = (wide * point, high * point);
-    Ok(file(size, &operators, &face, &glyphs))
+    let picture = Picture::parse(svg)?;
+    let mut pages = Pages::new()?;
+    pages.picture(&picture, (0.0, 0.0), 1.0);
+    pages.end_page(picture.size);
+    Ok(pages.file(None))
+}
+
+/// A picture of this program, read.
+pub(super) struct Picture<'a> {
+    document: Document<'a>,
+    /// Width and height (pt).
+    pub(super) size: (f64, f64),
+    /// Points to one of its pixels (pt).
+    point: f64,
+}
+
+impl<'a> Picture<'a> {
+    /// # Errors
+    /// [`PdfError`] where `svg` is not valid SVG.
+    pub(super) fn parse(svg: &'a str) -> Result<Self, PdfError> {
+        let document = Document::parse(svg)?;
+        let root = document.root_element();
+        let sides: Vec<f64> = root.attribute("viewBox").map(numbers).unwrap_or_default();
+        let (wide, high) = sides.get(2).copied().zip(sides.get(3).copied()).unwrap_or((1.0, 1.0));
+        let millimetres =
+            root.attribute("width").and_then(|width| width.strip_suffix("mm")?.parse().ok());
+        let point = millimetres.map_or(PIXEL, |width: f64| width * MILLIMETRE / wide);
+        Ok(Self { size: (wide * point, high * point), document, point })
+    }
 }
 
 /// All numbers of a text, whatever is between them.
@@ -68,16 +78,110 @@ fn number(node: Node<'_, '_>, name: &str) -> Option<f64> {
     node.attribute(name)?.parse().ok()
 }
 
-/// The operators of a page.
-struct Page<'a> {
-    document: &'a Document<'a>,
-    face: &'a Face<'a>,
-    operators: String,
+/// Pages in the making. Places on a page are counted from its upper left corner, downwards.
+pub(super) struct Pages {
+    face: Face<'static>,
     /// Glyphs used, with their characters.
     glyphs: BTreeMap<u16, char>,
+    /// Characters that the font lacks.
+    missing: BTreeSet<char>,
+    /// Operators of the page that is being drawn.
+    operators: String,
+    /// Size (pt) and operators of the pages before it.
+    done: Vec<((f64, f64), String)>,
 }
 
-impl Page<'_> {
+impl Pages {
+    /// # Errors
+    /// [`PdfError::Font`].
+    pub(super) fn new() -> Result<Self, PdfError> {
+        let face = Face::parse(FONT, 0)?;
+        Ok(Self {
+            face,
+            glyphs: BTreeMap::new(),
+            missing: BTreeSet::new(),
+            operators: String::new(),
+            done: Vec::new(),
+        })
+    }
+
+    /// Ends the page, which has this `size` (pt).
+    pub(super) fn end_page(&mut self, size: (f64, f64)) {
+        let drawn = std::mem::take(&mut self.operators);
+        // In the file, ordinates point up.
+        self.done.push((size, format!("1 0 0 -1 0 {:.3} cm\n{drawn}", size.1)));
+    }
+
+    /// What has been drawn on the page, which is empty after it.
+    pub(super) fn take_drawn(&mut self) -> String {
+        std::mem::take(&mut self.operators)
+    }
+
+    /// Draws what was taken at another place (pt).
+    pub(super) fn draw(&mut self, (x, y): (f64, f64), drawn: &str) {
+        self.write(format_args!("q 1 0 0 1 {x:.3} {y:.3} cm\n{drawn}Q"));
+    }
+
+    /// Draws a picture with its upper left corner at a place (pt), enlarged by `scale` (1).
+    pub(super) fn picture(&mut self, picture: &Picture<'_>, (x, y): (f64, f64), scale: f64) {
+        let point = scale * picture.point;
+        self.write(format_args!("q {point:.6} 0 0 {point:.6} {x:.3} {y:.3} cm"));
+        self.children(picture.document.root_element());
+        self.write(format_args!("Q"));
+    }
+
+    /// Draws one line of words: `size` and place, the left end of the base line, in points (pt).
+    pub(super) fn line_of_text(&mut self, (x, y): (f64, f64), size: f64, words: &str) {
+        let glyphs = self.encode(words);
+        self.write(format_args!("BT /F {size} Tf 0 g 1 0 0 -1 {x:.3} {y:.3} Tm <{glyphs}> Tj ET"));
+    }
+
+    /// Draws a rectangle from its upper left corner (pt), with an edge and an area of greys from 0,
+    /// black, to 1 (1).
+    pub(super) fn rectangle(
+        &mut self,
+        (x, y): (f64, f64),
+        (width, height): (f64, f64),
+        [edge, area]: [f64; 2],
+    ) {
+        self.write(format_args!(
+            "q 0.5 w {edge} G {area} g {x:.3} {y:.3} {width:.3} {height:.3} re B Q"
+        ));
+    }
+
+    /// Width of `words` at a size of 1 (1).
+    pub(super) fn width(&self, words: &str) -> f64 {
+        let advance = |character| {
+            // Glyph 0 is the font's box for a missing character.
+            let glyph = self.face.glyph_index(character).unwrap_or_default();
+            f64::from(self.face.glyph_hor_advance(glyph).unwrap_or(0))
+        };
+        words.chars().map(advance).sum::<f64>() / f64::from(self.face.units_per_em())
+    }
+
+    /// The glyphs of `words` as hexadecimal digits.
+    fn encode(&mut self, words: &str) -> String {
+        let mut hexadecimal = String::new();
+        for character in words.chars() {
+            let found = self.face.glyph_index(character);
+            let glyph = found.unwrap_or_default();
+            let character = if found.is_some() {
+                character
+            } else {
+                self.missing.insert(character);
+                char::REPLACEMENT_CHARACTER
+            };
+            self.glyphs.entry(glyph.0).or_insert(character);
+            let _ = write!(hexadecimal, "{:04x}", glyph.0);
+        }
+        hexadecimal
+    }
+
+    /// Characters that the font lacks, in whose place there are boxes.
+    pub(super) fn missing(&self) -> String {
+        self.missing.iter().collect()
+    }
+
     fn write(&mut self, operators: std::fmt::Arguments<'_>) {
         // Writing to a text does not fail.
         let _ = writeln!(self.operators, "{operators}");
@@ -103,7 +207,7 @@ impl Page<'_> {
             .attribute("clip-path")
             .and_then(|url| url.strip_prefix("url(#")?.strip_suffix(')'));
         let clip = clip.and_then(|id| {
-            self.document.descendants().find(|node| node.attribute("id") == Some(id))
+            node.document().descendants().find(|node| node.attribute("id") == Some(id))
         });
         if let Some(rect) = clip.and_then(|clip| clip.first_element_child()) {
             self.outline(rect);
@@ -194,16 +298,8 @@ impl Page<'_> {
         let words = node.text().unwrap_or_default();
         let inherited = node.ancestors().find_map(|node| number(node, "font-size"));
         let size = inherited.unwrap_or(12.0);
-        let scale = size / f64::from(self.face.units_per_em());
-        let mut hexadecimal = String::new();
-        let mut width = 0.0;
-        for character in words.chars() {
-            // Glyph 0 is the font's box for a missing character.
-            let glyph = self.face.glyph_index(character).unwrap_or_default();
-            width += scale * f64::from(self.face.glyph_hor_advance(glyph).unwrap_or(0));
-            self.glyphs.entry(glyph.0).or_insert(character);
-            let _ = write!(hexadecimal, "{:04x}", glyph.0);
-        }
+        let width = size * self.width(words);
+        let glyphs = self.encode(words);
         let shift = match node.attribute("text-anchor") {
             Some("middle") => 0.5 * width,
             Some("end") => width,
@@ -216,7 +312,35 @@ impl Page<'_> {
             [x, y, _] => format!("0 -1 -1 0 {x} {:.3}", y + shift),
             _ => format!("1 0 0 -1 {:.3} {}", of("x") - shift, of("y")),
         };
-        self.write(format_args!("BT /F {size} Tf {fill} rg {place} Tm <{hexadecimal}> Tj ET"));
+        self.write(format_args!("BT /F {size} Tf {fill} rg {place} Tm <{glyphs}> Tj ET"));
+    }
+
+    /// The file of all pages; a `title` is shown by viewers in the title of their window.
+    pub(super) fn file(self, title: Option<&str>) -> Vec<u8> {
+        let Self { face, glyphs, done, .. } = self;
+        let kids: Vec<String> =
+            (0..done.len()).map(|page| format!("{} 0 R", page_object(page))).collect();
+        let pages = format!(
+            "<< /Type /Pages /Kids [{}] /Count {} /Resources << /Font << /F 3 0 R >> /ExtGState << {STATES} >> >> >>",
+            kids.join(" "),
+            kids.len()
+        );
+        let mut objects = vec![b"<< /Type /Catalog /Pages 2 0 R >>".to_vec(), pages.into_bytes()];
+        objects.extend(font(&face, &glyphs));
+        for (page, ((wide, high), operators)) in done.iter().enumerate() {
+            let content = page_object(page) + 1;
+            objects.push(
+                format!("<< /Type /Page /Parent 2 0 R /MediaBox [0 0 {wide:.3} {high:.3}] /Contents {content} 0 R >>")
+                    .into_bytes(),
+            );
+            objects.push(stream(operators.as_bytes(), ""));
+        }
+        let mut info = String::new();
+        if let Some(title) = title {
+            objects.push(format!("<< /Title <feff{}> >>", utf16(title)).into_bytes());
+            info = format!(" /Info {} 0 R", objects.len());
+        }
+        join(&objects, &info)
     }
 }
 
@@ -227,63 +351,74 @@ fn rgb(colour: &str) -> String {
     format!("{:.4} {:.4} {:.4}", part(16), part(8), part(0))
 }
 
-/// Joins the objects of a file of one page.
-fn file(
-    (wide, high): (f64, f64),
-    operators: &str,
-    face: &Face<'_>,
-    glyphs: &BTreeMap<u16, char>,
-) -> Vec<u8> {
+/// States for the opacities of this program's pictures.
+const STATES: &str = "/A35 << /ca 0.35 >> /A85 << /ca 0.85 >>";
+/// Objects of a file before those of its pages: catalog, list of pages, and five of the font.
+const FIRST_OBJECTS: usize = 7;
+/// Characters in one list of a font's characters at most (Adobe Technical Note 5014, 1.4.1).
+const LIST_LENGTH: usize = 100;
+
+/// Number of the object of a page, counted from 0; that of its content follows.
+fn page_object(page: usize) -> usize {
+    FIRST_OBJECTS + 1 + 2 * page
+}
+
+/// Text as UTF-16 in hexadecimal digits.
+fn utf16(text: &str) -> String {
+    text.encode_utf16().map(|unit| format!("{unit:04x}")).collect::<Vec<_>>().concat()
+}
+
+fn stream(bytes: &[u8], more: &str) -> Vec<u8> {
+    let mut object = format!("<< /Length {}{more} >>\nstream\n", bytes.len()).into_bytes();
+    object.extend_from_slice(bytes);
+    object.extend_from_slice(b"\nendstream");
+    object
+}
+
+/// The objects of the font, from number 3 on.
+fn font(face: &Face<'_>, glyphs: &BTreeMap<u16, char>) -> [Vec<u8>; 5] {
     let unit = 1000.0 / f64::from(face.units_per_em());
     let width = |glyph: &u16| {
         let advance = face.glyph_hor_advance(ttf_parser::GlyphId(*glyph)).unwrap_or(0);
         format!("{glyph} [{:.0}]", unit * f64::from(advance))
     };
     let widths = glyphs.keys().map(width).collect::<Vec<_>>().join(" ");
-    let named = |(glyph, character): (&u16, &char)| {
-        let mut units = [0; 2];
-        let units = character.encode_utf16(&mut units).iter().map(|unit| format!("{unit:04x}"));
-        format!("<{glyph:04x}> <{}>\n", units.collect::<Vec<_>>().concat())
+    let named = |(glyph, character): &(&u16, &char)| {
+        format!("<{glyph:04x}> <{}>\n", utf16(&character.to_string()))
     };
-    let names = glyphs.iter().map(named).collect::<Vec<_>>().concat();
+    let all: Vec<(&u16, &char)> = glyphs.iter().collect();
+    let list = |list: &[(&u16, &char)]| {
+        let names = list.iter().map(named).collect::<Vec<_>>().concat();
+        format!("{} beginbfchar\n{names}endbfchar\n", list.len())
+    };
+    let lists = all.chunks(LIST_LENGTH).map(list).collect::<Vec<_>>().concat();
     let unicode = format!(
         "/CIDInit /ProcSet findresource begin 12 dict begin begincmap /CMapName /U def /CMapType 2 def\n\
-         1 begincodespacerange <0000> <ffff> endcodespacerange\n{} beginbfchar\n{names}endbfchar\n\
-         endcmap CMapName currentdict /CMap defineresource pop end end",
-        glyphs.len()
+         1 begincodespacerange <0000> <ffff> endcodespacerange\n{lists}\
+         endcmap CMapName currentdict /CMap defineresource pop end end"
     );
     let b = face.global_bounding_box();
     let bounds =
         [b.x_min, b.y_min, b.x_max, b.y_max].map(|edge| format!("{:.0}", unit * f64::from(edge)));
     let [rise, fall] = [face.ascender(), face.descender()].map(|edge| unit * f64::from(edge));
-    let stream = |bytes: &[u8], more: &str| {
-        let mut object = format!("<< /Length {}{more} >>\nstream\n", bytes.len()).into_bytes();
-        object.extend_from_slice(bytes);
-        object.extend_from_slice(b"\nendstream");
-        object
-    };
-    let states = "/A35 << /ca 0.35 >> /A85 << /ca 0.85 >>";
-    let objects: [Vec<u8>; 9] = [
-        b"<< /Type /Catalog /Pages 2 0 R >>".to_vec(),
-        b"<< /Type /Pages /Kids [3 0 R] /Count 1 >>".to_vec(),
+    [
+        b"<< /Type /Font /Subtype /Type0 /BaseFont /DejaVuSans /Encoding /Identity-H /DescendantFonts [4 0 R] /ToUnicode 7 0 R >>".to_vec(),
         format!(
-            "<< /Type /Page /Parent 2 0 R /MediaBox [0 0 {wide:.3} {high:.3}] /Contents 4 0 R /Resources << /Font << /F 5 0 R >> /ExtGState << {states} >> >> >>"
-        )
-        .into_bytes(),
-        stream(operators.as_bytes(), ""),
-        b"<< /Type /Font /Subtype /Type0 /BaseFont /DejaVuSans /Encoding /Identity-H /DescendantFonts [6 0 R] /ToUnicode 9 0 R >>".to_vec(),
-        format!(
-            "<< /Type /Font /Subtype /CIDFontType2 /BaseFont /DejaVuSans /CIDSystemInfo << /Registry (Adobe) /Ordering (Identity) /Supplement 0 >> /FontDescriptor 7 0 R /CIDToGIDMap /Identity /W [{widths}] >>"
+            "<< /Type /Font /Subtype /CIDFontType2 /BaseFont /DejaVuSans /CIDSystemInfo << /Registry (Adobe) /Ordering (Identity) /Supplement 0 >> /FontDescriptor 5 0 R /CIDToGIDMap /Identity /W [{widths}] >>"
         )
         .into_bytes(),
         format!(
-            "<< /Type /FontDescriptor /FontName /DejaVuSans /Flags 4 /FontBBox [{}] /ItalicAngle 0 /Ascent {rise:.0} /Descent {fall:.0} /CapHeight 729 /StemV 90 /FontFile2 8 0 R >>",
+            "<< /Type /FontDescriptor /FontName /DejaVuSans /Flags 4 /FontBBox [{}] /ItalicAngle 0 /Ascent {rise:.0} /Descent {fall:.0} /CapHeight 729 /StemV 90 /FontFile2 6 0 R >>",
             bounds.join(" ")
         )
         .into_bytes(),
         stream(FONT, &format!(" /Length1 {}", FONT.len())),
         stream(unicode.as_bytes(), ""),
-    ];
+    ]
+}
+
+/// A file of `objects`, the first of which is the catalog.
+fn join(objects: &[Vec<u8>], info: &str) -> Vec<u8> {
     let mut file = b"%PDF-1.7\n%\xe2\xe3\xcf\xd3\n".to_vec();
     let mut places = String::new();
     for (index, object) in objects.iter().enumerate() {
@@ -294,7 +429,7 @@ fn file(
     }
     let (start, count) = (file.len(), objects.len() + 1);
     let end = format!(
-        "xref\n0 {count}\n0000000000 65535 f \n{places}trailer\n<< /Size {count} /Root 1 0 R >>\nstartxref\n{start}\n%%EOF\n"
+        "xref\n0 {count}\n0000000000 65535 f \n{places}trailer\n<< /Size {count} /Root 1 0 R{info} >>\nstartxref\n{start}\n%%EOF\n"
     );
     file.extend_from_slice(end.as_bytes());
     file

@@ -95,6 +95,15 @@ fn next(path: &str, known: &[String]) -> String {
     format!("there are {}{remedy}", known.join(", "))
 }
 
+/// A scene's `base` as it is written into `file`: a file in the same folder or below is given from
+/// there, so that the folder can be moved; a name and any other path stay as they are.
+pub fn base_in(base: &str, file: &Path) -> String {
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let folder = std::fs::canonicalize(folder.unwrap_or(Path::new("."))).ok();
+    let below = folder.and_then(|folder| Path::new(base).strip_prefix(folder).ok());
+    below.map_or_else(|| base.to_owned(), |path| Path::new(".").join(path).display().to_string())
+}
+
 impl Adjustable {
     /// The scene `name`, a shipped one or a file.
     ///
@@ -267,7 +276,13 @@ impl Adjustable {
     }
 
     /// A scene based on this one with other values, as text; each with its number of decimals.
-    pub fn derived(&self, values: &[(&AdjustableNumber, f64, usize)], title: &str) -> String {
+    /// It is meant for the file `file`.
+    pub fn derived(
+        &self,
+        values: &[(&AdjustableNumber, f64, usize)],
+        title: &str,
+        file: &Path,
+    ) -> String {
         let mut tables: BTreeMap<String, BTreeMap<String, String>> = BTreeMap::new();
         for (knob, value, decimals) in values {
             let (table, key) = knob.path.rsplit_once('.').unwrap_or(("", &knob.path));
@@ -276,7 +291,8 @@ impl Adjustable {
             tables.entry(table.to_owned()).or_default().insert(key.to_owned(), words);
             self.fill_material(table, &mut tables);
         }
-        let mut text = format!("base = {}\ntitle = {}\n", quoted(&self.base), quoted(title));
+        let mut text =
+            format!("base = {}\ntitle = {}\n", quoted(&base_in(&self.base, file)), quoted(title));
         for (table, values) in &tables {
             if !table.is_empty() {
                 let _ = write!(text, "\n[{}]\n", quoted_path(table));

@@ -10,6 +10,8 @@ mod help;
 mod hostile;
 mod lab_files;
 mod output;
+#[cfg(feature = "png")]
+mod pdf;
 mod pictures;
 mod run;
 mod transfer;

@@ -207,7 +207,7 @@ fn what_cannot_be_compared_is_said() {
         (vec!["compare", RECORDING, RECORDING, "--map", "CH1"], "CH1=p2"),
         (vec!["compare", RECORDING, RECORDING, "--tolerance", "peak=5kg"], "a mass"),
         (vec!["compare", RECORDING, RECORDING, "--shot", "7"], "number 7"),
-        (vec!["compare", RECORDING, RECORDING, "-o", "report.pdf"], ".md, .html, .mcap"),
+        (vec!["compare", RECORDING, RECORDING, "-o", "report.odt"], ".md, .html, .pdf, .mcap"),
         (vec!["compare", RECORDING, RECORDING, "-o", RECORDING], "the input as the output"),
     ] {
         let failed = hertzscope(&wrong).assert().code(2);

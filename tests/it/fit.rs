@@ -70,6 +70,21 @@ fn a_recording_gives_its_scene_back() {
     assert_eq!(html.matches("<svg").count(), 8, "two pictures a channel");
 }
 
+/// With free gains the traces of an uncompressed chain determine `E^2 v` alone, and the refusal says
+/// so; with known gains the same numbers are found.
+#[test]
+fn free_gains_leave_modulus_and_speed_together() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recording = folder.path().join("lying.mcap").display().to_string();
+    hertzscope(&["run", "lying-steel", "-q", "-o", &recording]).assert().success();
+    let free = "striker.speed,materials.steel_52100.youngs_modulus";
+    let fit = ["fit", &recording, "lying-steel", "--free", free, "--starts", "1", "-q"];
+    let refused = hertzscope(&[&fit[..], &["--gains"]].concat()).assert().code(1);
+    let error = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+    assert!(error.contains("E^2 v alone, modulus squared times speed"), "{error}");
+    hertzscope(&[&fit[..], &["--gain-u", "1%"]].concat()).assert().success();
+}
+
 /// A dashpot comes back from its recording, from a start 40 % off.
 #[test]
 fn a_dashpot_is_found() {

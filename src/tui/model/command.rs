@@ -56,7 +56,7 @@ fn scenes(_: &ScreenState) -> Vec<String> {
 /// The commands, as the help shows them.
 #[rustfmt::skip]
 pub const COMMANDS: &[Command] = &[
-    command("write", "FILE", "save .mcap (shot), .csv (traces), .toml (scene), .svg", ScreenState::write),
+    command("write", "FILE", "save .mcap (shot), .csv (one a trace), .toml (scene), .svg", ScreenState::write),
     Command {
         words: scenes,
         ..command("compare", "WHAT", "compare the shot with a recording, a folder, or a scene", ScreenState::compare)
@@ -194,7 +194,7 @@ impl ScreenState {
             self.requests.push(Request::Save(PathBuf::from(file)));
         } else {
             self.notice = Some(
-                "expected :write and a file that ends in .mcap, .csv, .toml or .svg".to_owned(),
+                "expected :write and a file that ends in .mcap, .csv, .toml or .svg; convert makes a .png of a .mcap".to_owned(),
             );
         }
     }

@@ -5,12 +5,14 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::path::Path;
 
 use super::state::RunState;
 use crate::chain::Indentations;
 use crate::experiment::outcome::Summary;
 use crate::recording::TraceSet;
 use crate::scene::Scene;
+use crate::scene::adjust::base_in;
 use crate::scene::document::quoted;
 use crate::scope::Setup;
 
@@ -91,12 +93,21 @@ impl LiveBench {
 
     /// The tuned scene as text.
     pub fn text(&self) -> String {
+        self.text_based_on(&self.base)
+    }
+
+    /// The same for the file `file`.
+    pub fn text_in(&self, file: &Path) -> String {
+        self.text_based_on(&base_in(&self.base, file))
+    }
+
+    fn text_based_on(&self, base: &str) -> String {
         let mut tables: BTreeMap<&str, Vec<(&str, &str)>> = BTreeMap::new();
         for (path, value) in &self.settings {
             let (table, key) = path.rsplit_once('.').unwrap_or(("", path));
             tables.entry(table).or_default().push((key, value));
         }
-        let mut text = format!("base = {}\n", quoted(&self.base));
+        let mut text = format!("base = {}\n", quoted(base));
         for (table, pairs) in tables {
             if !table.is_empty() {
                 let _ = write!(text, "\n[{table}]\n");

@@ -18,6 +18,8 @@ use crate::tui::model::{LiveBench, ScreenState, SidePanel};
 
 /// Columns of a name.
 const NAME_WIDTH: usize = 14;
+/// Word before the effects that are on.
+const EFFECTS_WORD: &str = "on: ";
 /// Columns of a pair of channels.
 const PAIR_WIDTH: usize = 9;
 
@@ -140,7 +142,11 @@ fn cost_text(live: &LiveBench) -> Vec<Line<'static>> {
         pair("accuracy", &accuracy),
         pair("energy drift", &format!("{:.1e}", summary.energy.drift)),
     ];
-    let effects = format!("on: {}", summary.effects.join(" "));
-    lines.extend(wrapped(&effects, usize::from(SIDE_WIDTH) - 1).into_iter().map(Line::raw));
+    // Behind the word, so that further lines are seen to belong to it.
+    let room = usize::from(SIDE_WIDTH) - 1 - EFFECTS_WORD.len();
+    for (row, effects) in wrapped(&summary.effects.join(" "), room).into_iter().enumerate() {
+        let word = if row == 0 { EFFECTS_WORD } else { "" };
+        lines.push(Line::raw(format!("{word:<width$}{effects}", width = EFFECTS_WORD.len())));
+    }
     lines
 }

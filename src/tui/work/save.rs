@@ -101,7 +101,7 @@ fn scene(model: &ScreenState, file: PathBuf) -> Result<Job<ScreenState>, String>
                 "the served scene is not an included one: save it where it is served".into()
             );
         }
-        (Some(live), _) => live.text(),
+        (Some(live), _) => live.text_in(&file),
         (None, Some(scene)) => scene.text.clone(),
         (None, None) => return Err("this recording contains no scene".to_owned()),
     };

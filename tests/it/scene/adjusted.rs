@@ -79,12 +79,38 @@ fn a_derived_scene_can_be_read_whatever_its_names() {
             knobs.extend(scene.knobs(&format!("sensors.{name}.offset")).expect("a number"));
         }
         let values: Vec<_> = knobs.iter().map(|knob| (knob, 0.25, 6)).collect();
-        let derived = scene.derived(&values, name);
-        let derived = Scene::from_text("derived", "derived.toml", &derived)
-            .unwrap_or_else(|error| panic!("{name}: {error}\n{derived}"));
+        let new = folder.join("derived.toml");
+        let derived = scene.derived(&values, name, &new);
+        std::fs::write(&new, &derived).expect("a file");
+        let derived =
+            Scene::load(&new).unwrap_or_else(|error| panic!("{name}: {error}\n{derived}"));
         assert_eq!(derived.title, name);
         assert!((derived.initial_velocities[0] - 0.25).abs() < 1e-12);
     }
+}
+
+/// A folder with a scene and one derived from it can be moved; written elsewhere, the derived scene
+/// names the whole path.
+#[test]
+fn a_folder_of_derived_scenes_can_be_moved() {
+    let root = tempfile::tempdir().expect("a folder");
+    let (lab, moved) = (root.path().join("lab"), root.path().join("moved"));
+    std::fs::create_dir_all(lab.join("fits")).expect("folders");
+    let base = lab.join("s.toml");
+    std::fs::write(&base, "base = \"magnet-0.61g\"\nduration = \"1 ms\"\n").expect("a file");
+    let mut scene = Adjustable::load(&base).expect("a scene");
+    let knobs = scene.knobs("striker.speed").expect("a number");
+    let values: Vec<_> = knobs.iter().map(|knob| (knob, 0.25, 6)).collect();
+    let elsewhere = scene.derived(&values, "t", &lab.join("fits/new.toml"));
+    let whole = std::fs::canonicalize(&base).expect("a path").display().to_string();
+    assert!(elsewhere.starts_with(&format!("base = \"{whole}\"\n")), "{elsewhere}");
+    let beside = scene.derived(&values, "t", &lab.join("new.toml"));
+    assert!(beside.starts_with("base = \"./s.toml\"\n"), "{beside}");
+    std::fs::write(lab.join("new.toml"), beside).expect("a file");
+    std::fs::rename(&lab, &moved).expect("a moved folder");
+    let scene = Scene::load(moved.join("new.toml")).expect("the moved scene");
+    assert!((scene.initial_velocities[0] - 0.25).abs() < 1e-12);
+    assert!((scene.duration - 1e-3).abs() < 1e-15);
 }
 
 /// A change of 5 °C is 5 K; its standard uncertainty of 1 K is that of 5 K.

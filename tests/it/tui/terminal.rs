@@ -236,7 +236,7 @@ fn it_follows_the_terminals_size() {
     terminal.parser.screen_mut().set_size(large.rows, large.cols);
     terminal.master.resize(large).expect("another size");
     // There is room for more hints now.
-    terminal.wait_for_text("d compare");
+    terminal.wait_for_text("k y h accuracy");
     let small = PtySize { rows: 5, cols: 20, ..SIZE };
     terminal.parser.screen_mut().set_size(small.rows, small.cols);
     terminal.master.resize(small).expect("another size");
