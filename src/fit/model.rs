@@ -4,10 +4,10 @@
 //! the trigger after the striker's first contact, in sample intervals; where times are not exact,
 //! by how many of its standard uncertainties the time base is off; a factor for each channel whose
 //! gain is not exact, with a residual `(g - 1)/u` where `u` is known; with `offsets`, a zero for
-//! each channel, in levels, unless what disturbs it contains the zero; in the end the scores of the scene's other uncertain inputs. Time base
-//! and scores are residuals, too: what is known of them, as normal distributions. The scene's
-//! numbers are differentiated by central differences with steps of about one standard deviation,
-//! the rest in closed form.
+//! each channel, in levels, unless what disturbs it contains the zero; in the end the scores of the
+//! scene's other uncertain inputs. Time base and scores are residuals, too: what is known of them,
+//! as normal distributions. The scene's numbers are differentiated by central differences with
+//! steps of about one standard deviation, the rest in closed form.
 
 use super::forward::{TimeAxis, forces_at};
 use super::records::{ChannelRecord, Records};

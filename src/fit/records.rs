@@ -3,11 +3,12 @@
 //! A sample's standard deviation is the noise before the pulse, no less than what rounding leaves,
 //! `q/sqrt(12)`. Samples at the converter's ends may lie beyond, and have no weight.
 //!
-//! Drift, mains hum and 1/f noise are what the baseline says of them ([`crate::analysis::baseline`]):
-//! a mean at each sample and a sum of modes, each times an independent number of standard deviation
-//! one. The samples behind the baseline then have the covariance `C = 1 + F F^T` with the modes over
-//! `sigma` as columns of `F`; those of the baseline have had their say. A fit by least squares takes
-//! `W r` for the residuals `r`, with `W^T W = C^-1` (generalised least squares): mode by mode,
+//! Drift, mains hum and 1/f noise are what the baseline says of them
+//! ([`crate::analysis::baseline`]): a mean at each sample and a sum of modes, each times an
+//! independent number of standard deviation one. The samples behind the baseline then have the
+//! covariance `C = 1 + F F^T` with the modes over `sigma` as columns of `F`; those of the baseline
+//! have had their say. A fit by least squares takes `W r` for the residuals `r`, with
+//! `W^T W = C^-1` (generalised least squares): mode by mode,
 //! `W r -> W r - (1 - 1/sqrt(1 + |p|^2)) p (p^T W r)/|p|^2` with `p = W f` for mode `f`.
 
 use std::ops::Range;

@@ -37,10 +37,13 @@ enum MergeRule {
     Shipped(&'static str),
     /// It replaces that of the base as a whole.
     Whole,
+    /// Of these keys one says the same as another: where a scene has one of them, the base's others
+    /// go.
+    OneOf(&'static [&'static str]),
 }
 
 /// The exceptions from merging key by key, by path. The order decides the hash of a scene's texts.
-const RULES: [(&[&str], MergeRule); 8] = [
+const RULES: [(&[&str], MergeRule); 9] = [
     (&["striker"], MergeRule::Model("strikers")),
     (&["scope"], MergeRule::Model("")),
     (&["materials", ANY], MergeRule::Shipped("materials")),
@@ -49,6 +52,7 @@ const RULES: [(&[&str], MergeRule); 8] = [
     (&["chain", "top"], MergeRule::Whole),
     (&["chain", "bottom"], MergeRule::Whole),
     (&SIGNAL, MergeRule::Whole),
+    (&["drive"], MergeRule::OneOf(&["displacement", "stack"])),
 ];
 
 /// Keys that name a file of constants, and its folder.
@@ -251,7 +255,7 @@ impl Library {
                         entry.node.put_over(&below);
                     }
                 }
-                MergeRule::Whole => {}
+                MergeRule::Whole | MergeRule::OneOf(_) => {}
             });
         }
         for_each(root, &SIGNAL, &mut Vec::new(), &mut |entry, _| self.insert_samples(entry));
@@ -396,8 +400,17 @@ fn remove_replaced(over: &Node, base: &mut Node, path: &[&str], rule: MergeRule)
                 remove_model(&mut below.node, kind);
             }
             MergeRule::Whole => _ = base.remove(name),
+            MergeRule::OneOf(keys) => remove_others(&above.node, &mut below.node, keys),
             MergeRule::Model(_) | MergeRule::Shipped(_) => {}
         }
+    }
+}
+
+/// Removes those of `keys` from `below` that `above` says by another of them.
+fn remove_others(above: &Node, below: &mut Node, keys: &[&str]) {
+    let (Value::Table(above), Some(below)) = (&above.value, below.entries_mut()) else { return };
+    if keys.iter().any(|key| above.contains_key(*key)) {
+        below.retain(|name, _| !keys.contains(&&**name) || above.contains_key(name));
     }
 }
 

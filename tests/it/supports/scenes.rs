@@ -85,7 +85,11 @@ fn mistakes_in_walls_that_move_are_told() {
     let drive = "[drive]\ndisplacement = \"1 nm\"\nsignal = { sine = \"1 kHz\" }\n";
     for (base, more, words) in [
         ("magnet-0.61g", drive, "needs a wall"),
-        ("driven-dimer", "[drive]\ndisplacement = \"1 nm\"\n", "beside a stack"),
+        (
+            "driven-dimer",
+            "[drive]\ndisplacement = \"1 nm\"\nstack = { stroke = \"1 nm\" }\n",
+            "beside a stack",
+        ),
         ("driven-dimer", "[drive]\nsignal = { sine = \"1 kHz\", cycles = 3 }\n", "`cycles`"),
         ("driven-dimer", "[drive]\nsignal = { burst = \"1 kHz\" }\n", "cycles"),
         ("driven-dimer", "[drive]\nsignal = { file = \"nowhere.csv\" }\n", "nowhere.csv"),
@@ -99,6 +103,21 @@ fn mistakes_in_walls_that_move_are_told() {
         let told = told(base, more);
         assert!(told.contains(words), "{more}: {told}");
     }
+}
+
+/// A displacement over a base with a stack takes its place; a stack's stroke alone changes that.
+#[test]
+fn a_drive_over_that_of_a_base_says_what_it_is() {
+    let shown = |more: &str| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("s.toml");
+        std::fs::write(&file, format!("base = \"driven-dimer\"\n{more}")).expect("a scene");
+        Scene::resolved(&file).unwrap_or_else(|error| panic!("{error}"))
+    };
+    let moved = shown("[drive]\ndisplacement = \"1 nm\"\n");
+    assert!(moved.contains("displacement = \"1 nm\"") && !moved.contains("stiffness"), "{moved}");
+    let stack = shown("drive.stack.stroke = \"2 nm\"\n");
+    assert!(stack.contains("stroke = \"2 nm\"") && stack.contains("stiffness"), "{stack}");
 }
 
 /// A rod's echo within the record is noted, one after it is not.
