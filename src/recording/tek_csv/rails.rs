@@ -115,8 +115,8 @@ struct Scales {
     height: f64,
 }
 
-/// Standard deviation of the noise of one sample, from third differences, whose variance is 20 times
-/// the noise's (unit).
+/// Standard deviation of the noise of one sample, from third differences, whose variance is 20
+/// times the noise's (unit).
 fn noise(values: &[f64]) -> f64 {
     const NORMAL_MEDIAN: f64 = 0.6745;
     let third = |window: &[f64]| match window {

@@ -301,8 +301,8 @@ fn a_record_that_begins_in_motion_has_no_first_pulse() {
     }
 }
 
-/// A peak's time is given where the noise of the slope there is below 0.2 of what a parabola that is
-/// half as high a rise away has at the fit's end. The slope of a polynomial of degree 5 over `n`
+/// A peak's time is given where the noise of the slope there is below 0.2 of what a parabola that
+/// is half as high a rise away has at the fit's end. The slope of a polynomial of degree 5 over `n`
 /// samples of noise `s` has a standard deviation of `s sqrt(57.4/n)` per half of the fit's width
 /// (`sum of (2 k + 1) P_k'(0)^2` over Legendre's polynomials of degrees 1, 3 and 5), the parabola
 /// `0.36` of the height: with a rise of 35 samples, `n = 43`, the limit is noise of 6.2 % of the

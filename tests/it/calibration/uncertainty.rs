@@ -118,7 +118,8 @@ fn degrees_of_freedom_are_those_of_the_scatter() {
 }
 
 /// The zero that all records of a quiet scope have in common acts on all impacts at once: an error
-/// `e` of it takes `e T (1 + T/(2 tau))` from an integral over the window `T` whose droop is undone.
+/// `e` of it takes `e T (1 + T/(2 tau))` from an integral over the window `T` whose droop is
+/// undone.
 #[test]
 fn the_common_zero_of_a_quiet_scope_is_in_the_budget() {
     let mut setup = BENCH.setup.clone();
