@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures what `hertzscope serve` does among clients that mean no good, and writes docs/abuse.md.
+"""Measures what `hertzscope serve` does among clients that mean no good, and writes its part of docs/abuse.md.
 
     docs/abuse.py HERTZSCOPE [SECONDS]
 
@@ -21,6 +21,8 @@ from pathlib import Path
 
 ADDRESS_SPACE = 4_000_000 * 1024
 PAGE = Path(__file__).with_name("abuse.md")
+# The part of the page between these lines is replaced.
+BEGIN, END = "<!-- measured by abuse.py -->\n", "<!-- end of what is measured -->\n"
 
 
 def dial(port):
@@ -231,6 +233,7 @@ def resources(process):
 
 
 def main():
+    load = os.getloadavg()[0]
     program, seconds = sys.argv[1], float(sys.argv[2]) if len(sys.argv) > 2 else 30.0
     limit = lambda: resource.setrlimit(resource.RLIMIT_AS, (ADDRESS_SPACE, ADDRESS_SPACE))
     arguments = ["--listen", "127.0.0.1:0", "--hislip", "0", "--vxi11", "0", "--port-mapper", "0", "--json"]
@@ -263,10 +266,11 @@ def main():
     server.terminate()
     code = server.wait(20)
     kinds = ", ".join(kind.__name__.replace("_", " ") for kind in KINDS)
-    PAGE.write_text(f"""# The server among abusers
-
-Made by `docs/abuse.py`, which starts `hertzscope serve` and twenty processes that abuse it, of these kinds: {kinds}. The machine had
-{os.cpu_count()} processors, shared by all of them. `tests/it/server/random_sessions.rs`, `abuse.rs` and `connections.rs` hold the same in the suite.
+    page = PAGE.read_text()
+    before, after = page.split(BEGIN)[0], page.split(END)[1]
+    PAGE.write_text(f"""{before}{BEGIN}
+Measured by `docs/abuse.py HERTZSCOPE {seconds:.0f}`, which starts `hertzscope serve` and twenty processes that abuse it, of these kinds: {kinds}. The machine had
+{os.cpu_count()} processors, shared by all of them and by other work: the load average was {load:.1f} before. `tests/it/server/random_sessions.rs`, `abuse.rs` and `connections.rs` test the same.
 
 Time from `*IDN?` to its answer, of a server with 4 GB of address space:
 
@@ -274,17 +278,15 @@ Time from `*IDN?` to its answer, of a server with 4 GB of address space:
 |---|---|---|---|---|
 {chr(10).join(rows)}
 
-What the server holds:
+Memory and descriptors of the server:
 
 | | memory | descriptors |
 |---|---|---|
 {chr(10).join(states)}
 
-At most 128 connections are open at a time, of all protocols, 96 of them of one address. A further one takes the place of the one that has been idle for longest, at least a
-second. Newcomers of the same address that were served within a second: after 300 silent connections {after_silence}; among the twenty abusers {among_abusers}. A peer that is gone without a word loses its connection within two minutes
-(keep-alive), a HiSLIP connection that does not become a session within ten seconds, and a client that does not read its replies within ten. A connection whose first
-line is an HTTP request is closed before a command is read. The server ended with exit code {code}.
-""")
+Newcomers of the same address that were served within a second: after 300 silent connections {after_silence}; among the twenty abusers {among_abusers}. The server ended with exit code {code}.
+
+{END}{after}""")
 
 
 if __name__ == "__main__":

@@ -271,3 +271,14 @@ fn smooth(values: &[f64], reach: usize) -> (Vec<f64>, Vec<f64>) {
     let smoothed = (0..=last).map(|i| weights.iter().map(|(j, w)| w * at(i + j)).sum()).collect();
     (smoothed, weights.into_iter().map(|(_, weight)| weight).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::first_maximum;
+
+    /// A top of several equal samples, as of a saturated record, begins with its first.
+    #[test]
+    fn the_first_of_equal_maxima_is_the_peak() {
+        assert_eq!(first_maximum(&[0.0, 1.0, 3.0, 3.0, 3.0, 1.0], 1.0, 1.5), (1, 2, true));
+    }
+}

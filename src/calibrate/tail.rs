@@ -283,3 +283,25 @@ fn errors(found: &Discharge, rounding: Rounding) -> [f64; 2] {
     let contact = found.per_charge.abs() * sample * (found.first as f64).sqrt();
     [contact, (white / found.square).sqrt()]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One sample behind a contact that sums up to `B` is `-(1 - a) B`: a larger sum with the same
+    /// sample is a smaller leak, by `-(1 - a)/B` for each volt.
+    #[test]
+    fn a_larger_charge_with_the_same_rest_leaks_less() {
+        let values = [1.0, 2.0, 1.0, -0.2];
+        let leak = discharged(&values, 3).expect("a leak");
+        assert!((leak - 0.05).abs() < 1e-12, "{leak}");
+        let found = Discharge::of(&values, 3, leak);
+        assert!((found.per_charge + 0.05 / 4.0).abs() < 1e-12, "{}", found.per_charge);
+        // The same by a contact that is a volt higher in one sample, and to first order.
+        let step = 1e-6;
+        let higher = discharged(&[1.0, 2.0 + step, 1.0, -0.2], 3).expect("a leak");
+        assert!(((higher - leak) / step - found.per_charge).abs() < 1e-7);
+        let mode = [0.0, 1.0, 0.0, 0.0];
+        assert!((change(&mode, &found) - found.per_charge).abs() < 1e-12);
+    }
+}

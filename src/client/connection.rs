@@ -345,3 +345,44 @@ impl Client {
 fn byte_time(baud: u32) -> Duration {
     Duration::from_secs(1) * BITS_PER_BYTE / baud
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A scope on a line of 300 baud that has its reply to `*IDN?` ready.
+    #[derive(Debug)]
+    struct SlowLine(&'static [u8]);
+
+    impl Transport for SlowLine {
+        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+            io::Read::read(&mut self.0, buffer)
+        }
+
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            Ok(bytes.len())
+        }
+
+        fn baud(&self) -> Option<u32> {
+            Some(300)
+        }
+    }
+
+    /// 160 bytes of 10 bits take 5.33 s at 300 baud: restoring a scope on such a line may take so
+    /// long, and 0.2 s more.
+    #[test]
+    fn restoring_over_a_slow_line_has_the_time_of_its_bytes() {
+        let mut client = Client {
+            address: Address::Socket(String::new()),
+            transport: Box::new(SlowLine(b"TEKTRONIX,TDS 2014\n")),
+            reply_timeout: Duration::from_secs(60),
+            stop: Arc::new(AtomicBool::new(true)),
+            received: (Vec::new(), 0),
+            reply: (Instant::now(), 0),
+            is_reply_pending: false,
+        };
+        client.restore(":ACQ:STATE RUN", "TEKTRONIX,TDS 2014").expect("a scope");
+        let seconds = client.reply_timeout.as_secs_f64();
+        assert!((seconds - (160.0 * 10.0 / 300.0 + 0.2)).abs() < 1e-6, "{seconds}");
+    }
+}

@@ -168,3 +168,24 @@ fn prepared(mut struck: StrikeSignals, preparation: Preparation) -> StrikeSignal
     };
     struck
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A strike that is asked for during another is not made: it would be recorded with the
+    /// settings of now, and its order would keep the first one's from being recorded again.
+    #[tokio::test]
+    async fn a_second_strike_waits_for_the_signals_of_the_first() {
+        let mut scene = Scene::load("magnet-0.61g").expect("a shipped scene");
+        scene.accuracy = 1e-3;
+        let instrument = Instrument::of(&scene.scope, scene.seed);
+        let scene = Arc::new(scene);
+        let mut bench = BenchHandle::start().expect("a thread");
+        assert!(bench.strike(&scene, &instrument));
+        assert!(!bench.strike(&scene, &instrument), "the first is under way");
+        assert_eq!(bench.signals().await.expect("a bench").shot, 1);
+        assert!(bench.strike(&scene, &instrument));
+        assert_eq!(bench.signals().await.expect("a bench").shot, 2);
+    }
+}

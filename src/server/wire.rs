@@ -105,3 +105,25 @@ impl Wire {
         if drops { Err(io::ErrorKind::ConnectionAborted.into()) } else { Ok(()) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A connection that a fault closes after five bytes is closed with the fifth, also if it is
+    /// the last of what is written.
+    #[tokio::test]
+    async fn a_connection_is_closed_with_the_last_byte_that_a_fault_leaves() {
+        for bytes in [&b"12345"[..], b"123456"] {
+            let (near, mut far) = tokio::io::duplex(64);
+            let mut wire = Wire::new(Box::new(near));
+            wire.drop_after(5);
+            let closed = wire.write(bytes).await.expect_err("a fault");
+            assert_eq!(closed.kind(), io::ErrorKind::ConnectionAborted);
+            drop(wire);
+            let mut read = Vec::new();
+            far.read_to_end(&mut read).await.expect("an end");
+            assert_eq!(read, b"12345");
+        }
+    }
+}

@@ -300,3 +300,77 @@ fn a_record_that_begins_in_motion_has_no_first_pulse() {
         assert!(Pulse::find(&trace, Conditions::default()).is_ok(), "{noise}");
     }
 }
+
+/// A peak's time is given where the noise of the slope there is below 0.2 of what a parabola that
+/// is half as high a rise away has at the fit's end. The slope of a polynomial of degree 5 over `n`
+/// samples of noise `s` has a standard deviation of `s sqrt(57.4/n)` per half of the fit's width
+/// (`sum of (2 k + 1) P_k'(0)^2` over Legendre's polynomials of degrees 1, 3 and 5), the parabola
+/// `0.36` of the height: with a rise of 35 samples, `n = 43`, the limit is noise of 6.2 % of the
+/// height. What noise does to rise and height moves it by about a tenth.
+#[test]
+fn a_peaks_time_is_refused_beyond_a_fifth_of_the_fit() {
+    for (noise, is_given) in [(0.045, true), (0.085, false)] {
+        for seed in 0..40 {
+            let mut stream = Pcg64::new(seed, 60);
+            let mut trace = sampled(1500, 1e-6, gaussian(700e-6, 1.0));
+            for value in &mut trace.values {
+                let draw: f64 = StandardNormal.sample(&mut stream);
+                *value += noise * draw;
+            }
+            let pulse = Pulse::find(&trace, Conditions::default()).expect("a pulse");
+            let found = pulse.arrival(Estimator::Peak);
+            assert_eq!(found.is_some(), is_given, "{noise} {seed}: {found:?}");
+        }
+    }
+}
+
+/// A disturbance of less than 1 % of the largest value is no motion of the chain, also of a trace
+/// that was never digitised; one of 3 % is.
+#[test]
+fn a_record_with_a_small_disturbance_is_at_rest() {
+    for (rms, is_at_rest) in [(0.005, true), (0.03, false)] {
+        let disturbance = |t: f64| rms * 2f64.sqrt() * (std::f64::consts::TAU * 5e3 * t).sin();
+        let pulse = gaussian(900e-6, 1.0);
+        let trace = sampled(1500, 1e-6, |t| pulse(t) + disturbance(t));
+        match Pulse::find(&trace, Conditions::default()) {
+            Ok(found) => {
+                assert!(is_at_rest, "{rms}");
+                // 0.7 % of the height, over a slope of 0.7 % in a microsecond at half of it.
+                let off = found.arrival(Estimator::HalfRise).expect("an arrival").value
+                    - exact(Estimator::HalfRise, 900e-6);
+                assert!(off.abs() < 3e-6, "{off:e}");
+            }
+            Err(PulseError::NotAtRest { .. }) => assert!(!is_at_rest, "{rms}"),
+            Err(error) => panic!("{rms}: {error}"),
+        }
+    }
+}
+
+/// A zero that moves by 4 standard deviations of white noise counts as moving within one level,
+/// where 3.5 suffice, and as still across two, where it takes 4.5. The statistic is that of a
+/// straight line: `|sum of (v - mean) x| sqrt(3/n)` over the root mean square, `x` from -1 to 1.
+#[test]
+fn a_moving_zero_has_a_limit_within_a_level_and_another_across_levels() {
+    let record = |codes: &dyn Fn(usize) -> f64| {
+        let pulse = gaussian(800e-6, 100.0);
+        let values = (0..1500).map(|i| (pulse(i as f64 * 1e-6) + codes(i)).round());
+        Trace { values: values.collect(), ..sampled(1500, 1e-6, |_| 0.0) }
+    };
+    let every = |i: usize, step: usize| f64::from(u8::from(i % step == step / 2));
+    // Ones in the first half, and more of them in the second; or as many below as above.
+    let within = record(&|i| if i < 200 { every(i, 33) } else { every(i, 6) });
+    let across = record(&|i| if i < 200 { -every(i, 19) } else { every(i, 19) });
+    for (trace, is_moving) in [(within, true), (across, false)] {
+        let values = &trace.values[..400];
+        let mean = values.iter().sum::<f64>() / 400.0;
+        let rms = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / 400.0).sqrt();
+        let at = |i: usize| (2.0 * i as f64 + 1.0) / 400.0 - 1.0;
+        let sum: f64 = values.iter().enumerate().map(|(i, v)| (v - mean) * at(i)).sum();
+        let deviations = sum.abs() * (3.0_f64 / 400.0).sqrt() / rms;
+        assert!((3.7..4.3).contains(&deviations), "{deviations}");
+        let baseline = Some(Gate { from: 0.0, to: 400e-6 });
+        let conditions = Conditions { level: 1.0, baseline, ..Conditions::default() };
+        let pulse = Pulse::find(&trace, conditions).expect("a pulse");
+        assert_eq!(pulse.baseline.is_moving, is_moving, "{deviations}");
+    }
+}

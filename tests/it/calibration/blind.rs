@@ -2,6 +2,8 @@
 //! `hertzscope calibrate --simulate SENSOR --repeat 1000`.
 
 use hertzscope::calibrate::blind::coverage;
+use hertzscope::calibrate::design::Designer;
+use hertzscope::calibrate::simulation::strike;
 use hertzscope::quantity::Uncertain;
 use hertzscope::scene::plan::lab::Laboratory;
 
@@ -64,4 +66,29 @@ fn simulated_impacts_balance_and_obey_hertz() {
         // The anvil takes m/M of the speed, twice.
         assert!((truth.rebound / v - 1.0 + 2.0 * m / anvil).abs() < 1e-5, "{}", truth.rebound / v);
     }
+}
+
+/// On the moon the anvil floats on its weight there. Two bodies that gravity alone pulls part as
+/// fast as they met, and their momentum grows by `m g T`: the striker goes back with
+/// `(v (M - m) - m g T)/(M + m)`. Support for another gravity would add `(9.81 - 1.62) T`, a
+/// thousandth of the speed.
+#[test]
+fn an_anvil_floats_in_the_laboratorys_own_gravity() {
+    let (m, anvil, gravity) = (BENCH.striker.mass.value, 10.0, 1.62);
+    let speed = 0.5;
+    let truth = strike(&BENCH.striker, speed, gravity).expect("an impact");
+    let expected = (speed * (anvil - m) - m * gravity * truth.duration) / (anvil + m);
+    assert!((truth.rebound / expected - 1.0).abs() < 1e-5, "{} {expected}", truth.rebound);
+}
+
+/// The progress of the search for a design rises to 1 and not beyond.
+#[test]
+fn the_progress_of_a_search_ends_at_one() {
+    let lab = shipped_lab();
+    let lab =
+        Laboratory { strikers: lab.strikers[..2].to_vec(), heights: vec![5e-3, 10e-3], ..lab };
+    let designer = Designer::new("pzt-5a-710pf", lab, 1).expect("a shipped sensor");
+    let mut seen = Vec::new();
+    designer.search(&mut |done| seen.push(done)).expect("impacts");
+    assert_eq!(seen, [0.25, 0.5, 0.75, 1.0]);
 }

@@ -88,3 +88,59 @@ fn a_nonlinear_sensor_is_told() {
     assert!((change.change - linear.change - 0.10).abs() < 0.02, "{change:?} {linear:?}");
     assert!(found.notes.iter().any(|note| note.contains("changes by")), "{:?}", found.notes);
 }
+
+/// Effective degrees of freedom by Welch and Satterthwaite (JCGM 100:2008, G.4.1): where impacts
+/// scatter, their part is known from the scatter of `n` impacts alone, and all else exactly. With
+/// `u^2` the sum of the squares of all contributions, `u^4 (n - 1)/(impacts' part)^4`.
+#[test]
+fn degrees_of_freedom_are_those_of_the_scatter() {
+    let mut blind = BENCH.blind(10);
+    blind.common.gain = Uncertain::normal(1.0, 0.01);
+    for (index, strike) in blind.strikes.iter_mut().enumerate() {
+        let factor = if index % 2 == 0 { 1.02 } else { 0.98 };
+        strike.record.trace.values.iter_mut().for_each(|v| *v *= factor);
+    }
+    let found = blind.calibrate().expect("a calibration");
+    let used = found.impacts.iter().filter(|impact| impact.used).count();
+    assert!(found.birge_ratio > 1.5 && used == 6, "{} {used}", found.birge_ratio);
+    let squares = |lines: &dyn Fn(InputKind) -> bool| -> f64 {
+        let lines = found.budget.iter().filter(|line| lines(line.kind));
+        lines.map(|line| line.contribution.powi(2)).sum()
+    };
+    // The time constant is common to all: what a record's own inputs do to it is in their lines.
+    let own = found.impacts.iter().filter_map(|impact| impact.own_uncertainty);
+    let weights: f64 = own.clone().map(|u| u.powi(-2)).sum();
+    let part = found.birge_ratio.powi(2) / weights;
+    assert_eq!(found.half_width, 0.0);
+    let expected = 5.0 * squares(&|_| true).powi(2) / part.powi(2);
+    assert!((found.freedom / expected - 1.0).abs() < 1e-6, "{} {expected}", found.freedom);
+    assert!(expected > 5.5, "{expected}");
+}
+
+/// The zero that all records of a quiet scope have in common acts on all impacts at once: an error
+/// `e` of it takes `e T (1 + T/(2 tau))` from an integral over the window `T` whose droop is
+/// undone.
+#[test]
+fn the_common_zero_of_a_quiet_scope_is_in_the_budget() {
+    let mut setup = BENCH.setup.clone();
+    setup.noise = 0.0;
+    let circuit = BENCH.designer.circuit().expect("a circuit");
+    let mut blind = BENCH.designer.blind(&BENCH.striker, &BENCH.truths, circuit, (&setup, 11));
+    let tau = circuit.time_constant;
+    blind.common.tau = Some(Uncertain::normal(tau, 1e-3 * tau));
+    let found = blind.calibrate().expect("a calibration");
+    let line = found.budget.iter().find(|line| line.kind == InputKind::Zero).expect("a line");
+    let shares = found.impacts.iter().zip(&blind.strikes).map(|(result, strike)| {
+        let impact = result.impact.as_ref().expect("a record");
+        assert!(impact.has_common_zero);
+        let [from, to] = impact.window;
+        let window = to - from;
+        let momentum = blind.common.momentum(&strike.motion, impact.duration);
+        impact.baseline.uncertainty * window * (1.0 + window / (2.0 * tau)) / momentum
+    });
+    let (low, high) =
+        shares.fold((f64::MAX, 0.0_f64), |(low, high), one| (low.min(one), high.max(one)));
+    // A weighted mean lies between them; half a sample at each end is 1 % of the window.
+    let contribution = line.contribution.abs();
+    assert!((0.98 * low..=1.02 * high).contains(&contribution), "{low} {contribution} {high}");
+}

@@ -8,7 +8,7 @@ use std::thread;
 
 use hertzscope::client::{AcquiredShot, AcquisitionEvent, Address, ShotAcquisition};
 
-use super::{TIMING, struck};
+use super::{TIMING, shots, struck};
 
 /// In which reply a lie stands.
 #[derive(Clone, Copy, PartialEq)]
@@ -65,8 +65,12 @@ fn reply(scope: &mut impl Read) -> std::io::Result<Vec<u8>> {
     }
 }
 
-/// A liar before the scope at `server`, for one client after the other.
-fn liar(server: SocketAddr, mut lie: Lie) -> Address {
+/// A liar before the scope at `server`, for one client after the other: it changes each reply by
+/// `tell`, or closes the connection in its place.
+fn liar(
+    server: SocketAddr,
+    mut tell: impl FnMut(&str, Vec<u8>) -> Option<Vec<u8>> + Send + 'static,
+) -> Address {
     let port = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = port.local_addr().expect("an address").to_string();
     thread::spawn(move || {
@@ -79,7 +83,8 @@ fn liar(server: SocketAddr, mut lie: Lie) -> Address {
                     continue;
                 }
                 let Ok(reply) = reply(&mut scope) else { break };
-                if to.write_all(&lie.tell(&message, reply)).is_err() {
+                let Some(told) = tell(&message, reply) else { break };
+                if to.write_all(&told).is_err() {
                     break;
                 }
             }
@@ -90,10 +95,10 @@ fn liar(server: SocketAddr, mut lie: Lie) -> Address {
 
 /// One shot through a liar, the contradictions that were reported, and what was gone when it was
 /// read again; or the error.
-fn told(lie: Lie) -> Result<(AcquiredShot, Vec<String>, Vec<String>), String> {
+fn told(mut lie: Lie) -> Result<(AcquiredShot, Vec<String>, Vec<String>), String> {
     let folder = tempfile::tempdir().expect("a folder");
     let server = struck(&folder.path().join("own.mcap"));
-    let address = liar(server.address, lie);
+    let address = liar(server.address, move |message, reply| Some(lie.tell(message, reply)));
     let begun = ShotAcquisition::begin(&address, TIMING, &Arc::default());
     let mut scope = begun.map_err(|error| error.to_string())?;
     let (mut contradictions, mut again) = (Vec::new(), Vec::new());
@@ -205,4 +210,25 @@ fn several_records_in_a_reply_are_not_recorded() {
         let refused = told(several).expect_err(words);
         assert!(refused.contains(words), "{copies}: {refused}");
     }
+}
+
+/// The line is cut behind the second trace; when it is back, that trace has the same samples and
+/// another scale. Which of both is true cannot be known.
+#[test]
+fn a_record_whose_preamble_has_changed_is_dropped() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let server = struck(&folder.path().join("own.mcap"));
+    let mut is_cut = false;
+    let mut changed = lie(Reply::Record, "YMULT 4.0E-2", "YMULT 4.2E-2");
+    let address = liar(server.address, move |message, reply| {
+        if !is_cut && message.contains(":DAT:SOU CH3;:WAVF?") {
+            is_cut = true;
+            return None;
+        }
+        Some(if is_cut { changed.tell(message, reply) } else { reply })
+    });
+    let (_, events) = shots(&address, TIMING, 1);
+    let dropped =
+        AcquisitionEvent::Dropped("the scope took another record while its line was down");
+    assert!(events.contains(&dropped), "{events:?}");
 }

@@ -120,6 +120,10 @@ fn a_change_in_degrees_is_a_difference() {
     let mut scene = Adjustable::from_text("t", "t.toml", text).expect("a scene");
     let knobs = scene.knobs("effects.sensor_tolerance.temperature_change").expect("a number");
     assert!((knobs[0].value - 5.0).abs() < 1e-12, "{}", knobs[0].value);
+    // Shown and written in the unit as typed.
+    assert_eq!((knobs[0].unit.as_str(), knobs[0].scale), ("°C", 1.0));
+    let derived = scene.derived(&[(&knobs[0], 7.0, 1)], "warmer");
+    assert!(derived.contains("temperature_change = \"7.0 °C\""), "{derived}");
     let tolerance = |scene: &Scene| scene.sensor_tolerance.expect("a tolerance");
     let found = tolerance(&scene.scene().expect("a scene"));
     assert!((found.temperature - 5.0).abs() < 1e-12);

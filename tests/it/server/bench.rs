@@ -6,7 +6,7 @@ use hertzscope::scene::Scene;
 use hertzscope::server::ServerOptions;
 
 use super::process::Process;
-use super::{IDENTITY, Server, connect, scene};
+use super::{Client, IDENTITY, Server, connect, scene};
 
 /// Highest voltage of channel 1 after an impact (V).
 fn highest(server: &Server, settings: &str) -> f64 {
@@ -150,5 +150,30 @@ fn access_to_the_bench_is_limited() {
             assert_eq!(client.ask("BENC?;:BENC:FAU?"), before);
         }
         assert_eq!(client.ask("CH1:SCA 2;SCA?"), "2.0E0\n");
+    }
+}
+
+/// An impact whose records are made again, because a setting was changed during it, is one impact.
+#[test]
+fn an_impact_counts_once_however_often_it_is_recorded() {
+    let server = Server::at_rest();
+    let mut client = server.connect();
+    let impacts = |client: &mut Client| -> u32 {
+        client.ask("BENC:IMP?").trim_end().parse().expect("a count")
+    };
+    client.send(b"ACQ:STOPA SEQ;STATE ON\n");
+    for number in 1..=8 {
+        // The strike is made at once, and the scale is set during it. That starts the acquisition
+        // again: it may be ready for the impact or not. The impact before may have ended it.
+        loop {
+            match client.ask("TRIG:STATE?").trim_end() {
+                "READY" => break,
+                "SAVE" => client.send(b"ACQ:STOPA SEQ;STATE ON\n"),
+                _ => {}
+            }
+        }
+        assert_eq!(impacts(&mut client), number - 1);
+        client.send(format!("BENC:IMP\nCH1:SCA {}\n", 1 + number % 2).as_bytes());
+        while impacts(&mut client) < number {}
     }
 }
