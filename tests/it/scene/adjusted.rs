@@ -1,6 +1,8 @@
 //! Scenes with other numbers than the one they are made from: each what it would be if its file
 //! said so.
 
+use std::path::Path;
+
 use hertzscope::scene::adjust::Adjustable;
 use hertzscope::scene::{Scene, SceneError};
 
@@ -122,7 +124,7 @@ fn a_change_in_degrees_is_a_difference() {
     assert!((knobs[0].value - 5.0).abs() < 1e-12, "{}", knobs[0].value);
     // Shown and written in the unit as typed.
     assert_eq!((knobs[0].unit.as_str(), knobs[0].scale), ("°C", 1.0));
-    let derived = scene.derived(&[(&knobs[0], 7.0, 1)], "warmer");
+    let derived = scene.derived(&[(&knobs[0], 7.0, 1)], "warmer", Path::new("warmer.toml"));
     assert!(derived.contains("temperature_change = \"7.0 °C\""), "{derived}");
     let tolerance = |scene: &Scene| scene.sensor_tolerance.expect("a tolerance");
     let found = tolerance(&scene.scene().expect("a scene"));
