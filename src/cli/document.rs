@@ -41,7 +41,7 @@ pub fn pdf(file: &str, title: &str, parts: &[Part]) -> anyhow::Result<Vec<u8>> {
         crate::report::page_pdf(title, parts).with_context(|| file.to_owned())?;
     if !missing.is_empty() {
         super::say(&format!(
-            "note: {file}: the built-in font has no {missing}, each is a box there: .html has all characters"
+            "note: {file}: the built-in font has no {missing}, left blank there: .html has all characters"
         ));
     }
     Ok(document)

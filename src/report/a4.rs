@@ -48,7 +48,7 @@ const HEAD_AREA: f64 = 0.94;
 const CELL_AREA: f64 = 1.0;
 
 /// `parts` as a PDF file of A4 sheets, pictures included; and the characters that the built-in font
-/// lacks, in whose place there are boxes.
+/// lacks, in whose place there are blanks.
 ///
 /// # Errors
 /// [`PdfError`] where a picture is not valid SVG.

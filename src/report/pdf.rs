@@ -177,7 +177,7 @@ impl Pages {
         hexadecimal
     }
 
-    /// Characters that the font lacks, in whose place there are boxes.
+    /// Characters that the font lacks, in whose place there are blanks.
     pub(super) fn missing(&self) -> String {
         self.missing.iter().collect()
     }

@@ -180,7 +180,7 @@ fn a_certificate_is_printed_without_a_browser() {
     let done = hertzscope(at, &words);
     assert_eq!(done.code, 0, "{}", done.stderr);
     says(&done.stdout, &["certificate out/certificate.html", "certificate c.pdf"]);
-    says(&done.stderr, &["note: c.pdf: the built-in font has no 北, each is a box"]);
+    says(&done.stderr, &["note: c.pdf: the built-in font has no 北, left blank there"]);
     let html = std::fs::read_to_string(at.join("out/certificate.html")).expect("a page");
     let json = std::fs::read_to_string(at.join("out/calibration.json")).expect("JSON");
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
