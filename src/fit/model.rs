@@ -239,14 +239,17 @@ impl<'a> TraceModel<'a> {
     pub fn shown(&mut self, x: &[f64]) -> Option<Vec<Vec<f64>>> {
         let traces = self.at(x)?;
         let residuals = self.weigh(x, &traces);
-        let parts = residuals.chunks(self.records.axis.count.max(1));
-        let disturbed = self.records.list.iter().zip(parts);
-        let disturbed = disturbed.map(|(record, part)| record.fitted_disturbance(part));
-        let line = |((trace, (gain, offset)), added): ((&Vec<f64>, &(f64, f64)), Vec<f64>)| {
+        let nuisances = self.nuisances(x);
+        let channels = self.records.list.iter().zip(&traces).zip(nuisances);
+        let mut shown = Vec::with_capacity(traces.len());
+        for (((record, trace), (gain, offset)), residuals) in
+            channels.zip(residuals.chunks(self.records.axis.count.max(1)))
+        {
+            let added = record.fitted_disturbance(residuals);
             let samples = trace[1..trace.len() - 1].iter().zip(added);
-            samples.map(|(v, added)| gain * v + offset + added).collect()
-        };
-        Some(traces.iter().zip(&self.nuisances(x)).zip(disturbed).map(line).collect())
+            shown.push(samples.map(|(v, added)| gain * v + offset + added).collect());
+        }
+        Some(shown)
     }
 
     fn weigh(&self, x: &[f64], traces: &[Vec<f64>]) -> Vec<f64> {

@@ -133,7 +133,10 @@ impl ChannelRecord {
             self.whitening.iter().for_each(|factor| take_off(&mut direction, factor));
             let square: f64 = direction.iter().map(|v| v * v).sum();
             if square > 0.0 {
-                direction.iter_mut().for_each(|v| *v /= square.sqrt());
+                let length = square.sqrt();
+                for value in &mut direction {
+                    *value /= length;
+                }
                 self.whitening.push((1.0 - 1.0 / (1.0 + square).sqrt(), direction));
             }
         }

@@ -14,8 +14,8 @@ const MARGIN: f64 = 20.0 * MILLIMETRE;
 /// Places in the file have three decimals, those within pictures one, in pixels of 0.75 points or
 /// less (pt).
 const ROUNDING: f64 = 0.1;
-/// Height of letters over their base line and below it, over the size of the text: DejaVu Sans has
-/// 0.93 and 0.24 for all of its letters, accents included (1).
+/// Height of letters over their base line and below it, over the size of the text: the built-in
+/// font has 0.93 and 0.24 for all of its letters, accents included (1).
 const LETTER: (f64, f64) = (0.8, 0.24);
 
 /// What one sheet shows.

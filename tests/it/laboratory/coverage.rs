@@ -205,7 +205,7 @@ static KNOWN: LazyLock<facts::Facts> = LazyLock::new(|| {
 });
 
 /// Sensitivity (V/N) and time constant (s) of a PZT-5A plate of 3 x 3 x 0.5 mm with 710 pF of
-/// cable, 20 pF and 1 MOhm of the scope.
+/// cable, 20 pF and one megohm of the scope.
 fn sensor() -> (f64, f64) {
     let capacitance = 8.8541878128e-12 * 1800.0 * 9e-6 / 5e-4 + 730e-12;
     (400e-12 / capacitance, 1e6 * capacitance)
@@ -272,7 +272,7 @@ fn arrivals(disturbance: Disturbance, seed: u64, tally: &mut Tally) {
 fn fitted(disturbance: Disturbance, seed: u64, tally: &mut Tally) {
     let set = record(disturbance, seed);
     let side = ComparedShot { name: "bench", set: &set, shot: &set.shots[0], scene: None };
-    let mut scene = Adjustable::load("magnet-0.61g".to_owned()).expect("a scene");
+    let mut scene = Adjustable::load("magnet-0.61g").expect("a scene");
     let freed = ["striker.speed", "materials.ptfe.youngs_modulus"];
     let knobs: Vec<_> = freed.iter().flat_map(|path| scene.knobs(path).expect("a knob")).collect();
     let options =
