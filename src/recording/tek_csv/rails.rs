@@ -226,9 +226,12 @@ mod tests {
 
     use super::*;
 
+    /// A signal over time for a length of a pulse or period (samples).
+    type Signal = fn(f64, f64) -> f64;
+
     /// Signals between 0 and 1 that end where they begin, over 1000 samples, by name; `size` is the
     /// length of a pulse or period (samples).
-    const SIGNALS: [(&str, fn(f64, f64) -> f64); 7] =
+    const SIGNALS: [(&str, Signal); 7] =
         [
             ("gaussian", |t, size| (-0.5 * (t / (0.2 * size)).powi(2)).exp()),
             ("half sine", |t, size| if t.abs() < 0.5 * size { (PI * t / size).cos() } else { 0.0 }),
