@@ -226,7 +226,7 @@ mod tests {
 
     use super::*;
 
-    /// A value between 0 and 1 at a time, for a size (samples).
+    /// A signal over time for a length of a pulse or period (samples).
     type Signal = fn(f64, f64) -> f64;
 
     /// Signals between 0 and 1 that end where they begin, over 1000 samples, by name; `size` is the
