@@ -99,7 +99,7 @@ pub fn blind(
                 for (place, (found, (_, truth))) in report.parameters.iter().zip(&truth).enumerate()
                 {
                     coverages[place].add(found.value, found.expanded, *truth, found.u);
-                    uncertainties[place] += found.u_relative;
+                    uncertainties[place] += found.u_relative.unwrap_or(f64::NAN);
                 }
                 variance += report.residual_variance;
                 let of_fit = report.runs as f64;

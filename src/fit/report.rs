@@ -47,8 +47,8 @@ pub struct Parameter {
     /// Its expanded uncertainty for 95 %, in SI units (unit).
     #[serde(rename = "U95")]
     pub expanded: f64,
-    /// The same, relative (1).
-    pub u_relative: f64,
+    /// The standard uncertainty, relative; none of a zero (1).
+    pub u_relative: Option<f64>,
     /// 95 % interval of a normal distribution, in SI units (unit).
     pub interval_95: [f64; 2],
 }
@@ -287,7 +287,7 @@ fn parameter(knob: &AdjustableNumber, value: f64, u: f64) -> Parameter {
         value,
         u,
         expanded: NORMAL_95 * u,
-        u_relative: u / value.abs(),
+        u_relative: (value != 0.0).then(|| u / value.abs()),
         interval_95: [value - NORMAL_95 * u, value + NORMAL_95 * u],
     }
 }

@@ -23,6 +23,22 @@ fn knobs(scene: &mut Adjustable, paths: &[&str]) -> Vec<AdjustableNumber> {
     paths.iter().flat_map(|path| scene.knobs(path).expect("knobs")).collect()
 }
 
+/// One channel tells nothing of the plates at the others: these stay as the scene states them, and
+/// a zero has no relative uncertainty.
+#[test]
+fn an_input_that_no_record_tells_of_stays_as_stated() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let one = folder.path().join("one.mcap").display().to_string();
+    hertzscope(&["convert", RECORDING, &one, "--channel", "CH1"]).assert().success();
+    let free = ["--free", "striker.speed", "--starts", "1", "--to", "600us", "--json"];
+    let output = hertzscope(&[&["fit", &one, "gravity-0.61g"], &free[..]].concat()).assert();
+    let found: Value = serde_json::from_slice(&output.success().get_output().stdout).expect("JSON");
+    let inputs = found["inputs"].as_array().expect("inputs");
+    let plate = inputs.iter().find(|input| input["path"] == "sensors.p27.offset").expect("one");
+    assert_eq!(number(&plate["value"]), 0.0, "{plate}");
+    assert!(number(&plate["u"]) > 0.0 && plate["u_relative"].is_null(), "{plate}");
+}
+
 /// The shipped recording, through the scope's CSV files, gives back what its scene says, and the
 /// fitted scene stands on it.
 #[test]
