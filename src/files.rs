@@ -28,12 +28,24 @@ pub struct NewFile {
     target: PathBuf,
     /// Dropped before `file`: the temporary name is removed while it is locked.
     kind: Kind,
-    file: File,
+    file: LockedFile,
     /// Whether a write has failed: nothing is accepted after it, so that destructors cannot
     /// complete a file with a gap.
     is_broken: bool,
     /// Folders that were made for the file.
     _folders: MadeFolders,
+}
+
+/// An open file that may be locked. The lock ends with it, also where a process that is being
+/// started has inherited the file.
+#[derive(Debug)]
+struct LockedFile(File);
+
+impl Drop for LockedFile {
+    fn drop(&mut self) {
+        // Without locks there is none to end.
+        let _ = self.0.unlock();
+    }
 }
 
 /// What becomes of the file when it is complete.
@@ -116,7 +128,7 @@ impl NewFile {
     }
 
     fn new(target: PathBuf, file: File, kind: Kind, folders: MadeFolders) -> Self {
-        Self { target, kind, file, is_broken: false, _folders: folders }
+        Self { target, kind, file: LockedFile(file), is_broken: false, _folders: folders }
     }
 
     /// Its name; a numbered file may get another one when it is complete.
@@ -132,7 +144,7 @@ impl NewFile {
     pub fn complete(self) -> io::Result<PathBuf> {
         self.check()?;
         step();
-        match self.file.sync_all() {
+        match self.file.0.sync_all() {
             // Devices and pipes have no disk.
             Err(error) if !matches!(self.kind, Kind::InPlace) || self.path().is_file() => {
                 return Err(error);
@@ -164,14 +176,14 @@ impl Write for NewFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.check()?;
         step();
-        let written = self.file.write(bytes);
+        let written = self.file.0.write(bytes);
         self.is_broken |=
             written.as_ref().is_err_and(|error| error.kind() != ErrorKind::Interrupted);
         written
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.file.flush()
+        self.file.0.flush()
     }
 }
 
@@ -226,7 +238,7 @@ pub struct NewFolder {
     /// Whether `part` has been renamed; the name may be another writer's by now.
     is_renamed: bool,
     /// Holds the lock of the temporary folder.
-    _lock: Option<File>,
+    _lock: Option<LockedFile>,
     _folders: MadeFolders,
 }
 
@@ -394,7 +406,7 @@ fn part_file(target: &Path, exclusive: bool) -> io::Result<(File, TempPath)> {
 }
 
 /// The same for a folder; what a killed writer left in it is removed.
-fn part_folder(target: &Path, exclusive: bool) -> io::Result<(PathBuf, Option<File>)> {
+fn part_folder(target: &Path, exclusive: bool) -> io::Result<(PathBuf, Option<LockedFile>)> {
     for part in numbered(&part_of(target)) {
         step();
         match std::fs::create_dir(&part) {
@@ -408,7 +420,7 @@ fn part_folder(target: &Path, exclusive: bool) -> io::Result<(PathBuf, Option<Fi
             Ok(()) if !is_at(&folder, &part) => return part_folder(target, exclusive),
             Ok(()) => {
                 empty(&part)?;
-                return Ok((part, Some(folder)));
+                return Ok((part, Some(LockedFile(folder))));
             }
             Err(TryLockError::WouldBlock) if exclusive => return Err(busy()),
             Err(TryLockError::WouldBlock) => {}
@@ -455,7 +467,13 @@ fn is_at(_: &File, _: &Path) -> bool {
 }
 
 fn is_locked(file: &File) -> bool {
-    matches!(file.try_lock(), Err(TryLockError::WouldBlock))
+    match file.try_lock() {
+        Ok(()) => {
+            let _ = file.unlock();
+            false
+        }
+        Err(error) => matches!(error, TryLockError::WouldBlock),
+    }
 }
 
 fn busy() -> io::Error {
@@ -629,6 +647,18 @@ mod tests {
         assert!(made.expect("mkfifo").success());
         write(&target, "new").expect("written");
         assert_eq!(text(&target), "new");
+    }
+
+    /// A process that is being started holds all files for a moment.
+    #[test]
+    fn a_lock_ends_although_another_holds_the_file() {
+        let around = tempfile::tempdir().expect("a folder");
+        let target = around.path().join("x.mcap");
+        let new = NewFile::replace(&target).expect("a file");
+        let inherited = new.file.0.try_clone().expect("the same file");
+        new.complete().expect("written");
+        write(&target, "again").expect("not locked");
+        drop(inherited);
     }
 
     #[cfg(unix)]
