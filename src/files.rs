@@ -36,8 +36,8 @@ pub struct NewFile {
     _folders: MadeFolders,
 }
 
-/// An open file that may be locked. The lock ends with it, also where a process that is being
-/// started has inherited the file.
+/// An open file that may be locked. Dropping it releases the lock, even while a child process that
+/// is being started still has the file open.
 #[derive(Debug)]
 struct LockedFile(File);
 
@@ -649,7 +649,7 @@ mod tests {
         assert_eq!(text(&target), "new");
     }
 
-    /// A process that is being started holds all files for a moment.
+    /// A child process that is being started has all files of this one open for a moment.
     #[test]
     fn a_lock_ends_although_another_holds_the_file() {
         let around = tempfile::tempdir().expect("a folder");

@@ -9,9 +9,9 @@ use crate::analysis::least_squares::StopCriteria;
 /// of its uncertainty (1).
 pub(super) const STOP_CRITERIA: StopCriteria = StopCriteria { reduction: 1e-11, steps: 60 };
 
-/// With the scene's other inputs, of which some are hardly determined: of a chi squared of 8,000
-/// that is a tenth of a parameter's uncertainty. Chi squared by differences and integration is no
-/// better known: steps towards 1e-8 were taken back one after another (1).
+/// With the scene's other inputs, some of which are hardly determined. At a chi squared of 8,000
+/// the rest is a tenth of a parameter's standard uncertainty; the errors of integration and of
+/// difference quotients hide smaller gains (1).
 pub(super) const INPUT_STOP_CRITERIA: StopCriteria = StopCriteria { reduction: 1e-6, steps: 30 };
 
 /// Samples in a scene's duration: fewer show no pulse, more are another experiment (1).

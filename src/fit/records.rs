@@ -6,9 +6,9 @@
 //! Drift, mains hum and 1/f noise are what the baseline says of them
 //! ([`crate::analysis::baseline`]): a mean at each sample and a sum of modes, each times an
 //! independent number of standard deviation one. The samples behind the baseline then have the
-//! covariance `C = 1 + F F^T` with the modes over `sigma` as columns of `F`; those of the baseline
-//! have had their say. A fit by least squares takes `W r` for the residuals `r`, with
-//! `W^T W = C^-1` (generalised least squares): mode by mode,
+//! covariance `C = 1 + F F^T` with the modes over `sigma` as columns of `F`; the baseline's own
+//! samples have made the prediction, and have no weight in the fit. A fit by least squares takes
+//! `W r` for the residuals `r`, with `W^T W = C^-1` (generalised least squares): mode by mode,
 //! `W r -> W r - (1 - 1/sqrt(1 + |p|^2)) p (p^T W r)/|p|^2` with `p = W f` for mode `f`.
 
 use std::ops::Range;
@@ -54,7 +54,7 @@ pub struct ChannelRecord {
     pub level: f64,
     /// Which samples are within the converter's range.
     pub counts: Vec<bool>,
-    /// Samples of the baseline, of which the disturbance has taken everything.
+    /// Samples of the baseline, which have made the prediction and have no weight in the fit.
     pub taken: Range<usize>,
     /// Noise and rounding before the pulse.
     pub rounding: Rounding,
@@ -103,7 +103,7 @@ impl ChannelRecord {
         }
     }
 
-    /// What disturbs the samples where the `residuals` are those behind a fit, white (V).
+    /// The disturbance as a fit finds it, from the whitened `residuals` that it leaves (V).
     pub fn fitted_disturbance(&self, residuals: &[f64]) -> Vec<f64> {
         let mut found = residuals.to_vec();
         self.whitening.iter().rev().for_each(|factor| take_off(&mut found, factor));

@@ -88,7 +88,7 @@ fn typeset(words: &str) -> String {
     with_minus_signs(&printable_line(words))
 }
 
-/// What no end of a sheet divides.
+/// A part of a page that is never split between two sheets: a line, a row, a picture.
 struct Block {
     /// Room above it, none at the top of a sheet (pt).
     gap: f64,

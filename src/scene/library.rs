@@ -37,8 +37,7 @@ enum MergeRule {
     Shipped(&'static str),
     /// It replaces that of the base as a whole.
     Whole,
-    /// Of these keys one says the same as another: where a scene has one of them, the base's others
-    /// go.
+    /// Only one of these keys may be set: a scene that sets one drops the base's others.
     OneOf(&'static [&'static str]),
 }
 
@@ -406,7 +405,7 @@ fn remove_replaced(over: &Node, base: &mut Node, path: &[&str], rule: MergeRule)
     }
 }
 
-/// Removes those of `keys` from `below` that `above` says by another of them.
+/// Removes from `below` those of `keys` that `above` does not set, if it sets one of them.
 fn remove_others(above: &Node, below: &mut Node, keys: &[&str]) {
     let (Value::Table(above), Some(below)) = (&above.value, below.entries_mut()) else { return };
     if keys.iter().any(|key| above.contains_key(*key)) {

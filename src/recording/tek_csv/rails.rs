@@ -188,8 +188,9 @@ impl Parabola {
     }
 }
 
-/// Whether the flank from a tenth of its height to the flat top is a straight line, or too short to
-/// show that it is none. The top's own samples may lie behind the corner of a trapezoid.
+/// Whether the flank, from a tenth of its height up to the flat top, is a straight line, or has too
+/// few samples to tell. The top's samples are left out: a trapezoid's corner may lie between two
+/// samples.
 fn is_straight(side: &[f64], scales: &Scales) -> bool {
     const FEWEST: usize = 7;
     let mut low = 0.0;

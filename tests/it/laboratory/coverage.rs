@@ -431,4 +431,9 @@ fn fits_contain_the_truth_with_what_a_laboratory_has() {
         (is_short, format!("fit, {name}"), trial)
     });
     all_hold(20, rows);
+    let mut tally = Tally::default();
+    for seed in FIRST_SEED..FIRST_SEED + 5 {
+        fitted(Disturbance { hum: 0.2, ..white }, seed, &mut tally);
+    }
+    assert_eq!(tally.refused, 0, "hum is fitted, not refused");
 }
