@@ -174,7 +174,7 @@ fn too_coarse(setting: &str, estimate: Option<&ErrorEstimate>) -> Option<Note> {
 fn shorter_steps(tolerance: f64, accuracy: f64) -> Option<Note> {
     (tolerance < accuracy).then(|| {
         let sentence = format!(
-            "steps are chosen for an accuracy of {tolerance:.0e}: with longer ones the error estimate exceeded the accuracy asked for, or the energy error a tenth of the kinetic energy"
+            "steps are chosen for an accuracy of {tolerance:.0e}: with longer ones the error estimate exceeded the accuracy asked for, or the energy error a tenth of the energy in motion"
         );
         Note::new("shorter_steps", sentence).with("steps_for", tolerance)
     })

@@ -144,7 +144,7 @@ fn costs(summary: &Summary) -> Vec<String> {
             engineering(summary.wall_s, "s", 3)
         ),
         format!(
-            "  energy      {} at first, {} dissipated, numerical error {:.1e} of the kinetic{rounding}",
+            "  energy      {} at first, {} dissipated, numerical error {:.1e} of that in motion{rounding}",
             engineering(energy.initial, "J", 4),
             engineering(energy.dissipated, "J", 3),
             energy.drift
