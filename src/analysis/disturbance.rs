@@ -24,7 +24,9 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
+use super::innovations::Innovations;
 use crate::numeric::linear::Cholesky;
+use crate::numeric::roots::golden_section;
 
 /// Mains frequencies (Hz).
 const MAINS: [f64; 2] = [50.0, 60.0];
@@ -51,12 +53,16 @@ const NEGLIGIBLE: f64 = 1e-3;
 /// Columns of a model at most: zero, two unknowns of a signal, drift and hum.
 const MOST_COLUMNS: usize = 4 + 2 * HARMONICS;
 /// A kind of disturbance above this probability is said to be there (1).
-const FOUND: f64 = 0.95;
+pub const FOUND: f64 = 0.95;
 /// Places in a record at which the disturbance is predicted; straight lines in between.
 const KNOTS: usize = 33;
 /// Modes at most, and the share of the variance at a knot that they may leave (1).
 const MODES: usize = 24;
 const MODE_REST: f64 = 0.02;
+/// Amplitudes of 1/f noise over white noise that a likelihood is looked for in, and to which share
+/// (1).
+const PINK_OVER_WHITE: [f64; 2] = [0.01, 10.0];
+const PINK_STEP: f64 = 0.05;
 /// An amplitude that leaves a shape free (unit).
 const FREE: f64 = 1e3;
 /// Weight that keeps zero and drift from a matrix that is not positive, in samples (1).
@@ -89,7 +95,7 @@ impl DisturbanceKind {
 }
 
 /// Mean of neighbouring samples.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 struct Block {
     /// Its middle, from the middle of the record on (s).
     time: f64,
@@ -104,7 +110,7 @@ struct Block {
 }
 
 /// The known parts of a record.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct KnownParts {
     interval: f64,
     length: usize,
@@ -402,14 +408,21 @@ impl Whitened {
 /// The disturbance of a record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Disturbance {
+    /// What it was found from.
+    known: KnownParts,
     /// Standard uncertainty of one sample: white noise, rounding, and 1/f noise faster than the
     /// blocks (unit).
     pub noise: f64,
+    /// Standard deviation of white noise and rounding alone (unit).
+    white: f64,
     /// Kinds that are there beyond doubt.
     pub found: Vec<DisturbanceKind>,
     /// Standard deviation of the 1/f noise in each factor of e of time (unit).
     pink: f64,
-    length: usize,
+    /// Logarithm of the Bayes factor of 1/f noise over none (1).
+    pub pink_evidence: f64,
+    /// Further standard uncertainty of the zero (unit).
+    constant: f64,
     /// Expected values at the knots (unit).
     mean: Vec<f64>,
     /// Modes at the knots (unit).
@@ -420,6 +433,12 @@ impl Disturbance {
     /// Disturbances of `records` of one channel at one range, which have amplitudes and white noise
     /// in common; none if the known parts are too short.
     pub fn of(records: &[KnownParts]) -> Option<Vec<Self>> {
+        Self::with_pink(records, None)
+    }
+
+    /// The same, where something else tells the amplitude of the 1/f noise over the white noise's
+    /// (1).
+    fn with_pink(records: &[KnownParts], pink: Option<f64>) -> Option<Vec<Self>> {
         let unknowns = records.first()?.unknowns;
         let freedom: f64 = records
             .iter()
@@ -429,7 +448,7 @@ impl Disturbance {
         if freedom < 4.0 || records.iter().any(too_short) {
             return None;
         }
-        let grid = Grid::of(records);
+        let grid = Grid::of(records, pink);
         let whitened: Vec<Vec<Option<Whitened>>> = records
             .iter()
             .map(|record| {
@@ -470,15 +489,19 @@ impl Disturbance {
             DisturbanceKind::Hum => weighed_mean(&|c, _| f64::from(c.hum > 0.0)),
             DisturbanceKind::Pink => weighed_mean(&|c, _| f64::from(c.pink > 0)),
         };
+        let with_pink = probability(DisturbanceKind::Pink).clamp(NEGLIGIBLE, 1.0 - NEGLIGIBLE);
+        let pink_evidence = (with_pink / (1.0 - with_pink)).ln() - grid.pink_odds().ln();
         let kinds = [DisturbanceKind::Drift, DisturbanceKind::Hum, DisturbanceKind::Pink];
         let found: Vec<_> = kinds.into_iter().filter(|kind| probability(*kind) > FOUND).collect();
         let factor = |record: &KnownParts, c: &Candidate| record.within_factor(grid.pink[c.pink]);
         let pink = weighed_mean(&|c, variance| variance * grid.pink[c.pink].powi(2)).sqrt();
+        let white = weighed_mean(&|_, variance| variance).sqrt();
         let one = |(record, whitened): (&KnownParts, &Vec<Option<Whitened>>)| {
             let (mean, covariance) = prediction(record, whitened, &grid.pink, &weighed);
             let modes = modes(covariance);
             let noise = weighed_mean(&|c, variance| variance * factor(record, c)).sqrt();
-            Self { noise, found: found.clone(), pink, length: record.length, mean, modes }
+            let (found, known) = (found.clone(), record.clone());
+            Self { known, noise, white, found, pink, pink_evidence, constant: 0.0, mean, modes }
         };
         Some(records.iter().zip(&whitened).map(one).collect())
     }
@@ -488,7 +511,7 @@ impl Disturbance {
     ///
     /// Its covariance is `a^2 ln(L/distance)` up to the knots' distance `L`.
     pub fn fast_noise(&self, weights: &[f64]) -> f64 {
-        let step = (self.length.max(2) - 1) as f64 / (KNOTS - 1) as f64;
+        let step = self.step();
         let covariance: Vec<f64> = (0..weights.len())
             .map(|distance| (step / (distance as f64).max(MEAN_DISTANCE)).ln().max(0.0))
             .collect();
@@ -501,15 +524,53 @@ impl Disturbance {
         self.pink * total.max(0.0).sqrt()
     }
 
+    /// Samples between two knots (1).
+    fn step(&self) -> f64 {
+        (self.known.length.max(2) - 1) as f64 / (KNOTS - 1) as f64
+    }
+
+    /// Samples of 1/f noise that go together beside what is predicted: twice those between two
+    /// knots. Midway between two, straight lines have `3/4 a^2` less variance than at them, which
+    /// this makes up by `a^2 ln 2` (1).
+    fn longest(&self) -> f64 {
+        2.0 * self.step()
+    }
+
+    /// Standard deviation of a sample about what is predicted (unit).
+    pub fn sample_noise(&self) -> f64 {
+        self.white.hypot(self.pink * Innovations::variance(self.longest()).sqrt())
+    }
+
+    /// This disturbance with white and 1/f noise as samples show it that have nothing `left` of the
+    /// signal (unit), by the largest likelihood; `counts` says which samples are known.
+    pub fn with_noise_of(&self, left: &[f64], counts: &[bool]) -> Option<Self> {
+        let of =
+            |log: f64| Innovations::of((1.0, log.exp()), self.longest(), counts).likelihood(left);
+        let mut cost = |log: f64| Ok::<f64, std::convert::Infallible>(-of(log).0);
+        let Ok(log) = golden_section(PINK_OVER_WHITE.map(f64::ln), PINK_STEP, &mut cost);
+        let (_, white) = of(log);
+        let pink = log.exp() * white;
+        let known = Self::with_pink(&[self.known.clone()], Some(log.exp()))?.pop()?;
+        let Self { mean, modes, .. } = known;
+        let again = Self { white, pink, mean, modes, ..self.clone() };
+        Some(again.with_constant(self.constant))
+    }
+
+    /// The filter that makes noise about what is predicted white, at the samples that count, with
+    /// values in so many standard deviations `sigma` (unit).
+    pub fn innovations(&self, sigma: f64, counts: &[bool]) -> Innovations {
+        Innovations::of((self.white / sigma, self.pink / sigma), self.longest(), counts)
+    }
+
     /// Values at all samples from those at the knots (unit).
     fn samples(&self, knots: &[f64]) -> Vec<f64> {
-        let step = (self.length.max(2) - 1) as f64 / (KNOTS - 1) as f64;
+        let step = self.step();
         let at = |index: usize| {
             let place = index as f64 / step;
             let knot = (place as usize).min(KNOTS - 2);
             knots[knot] + (knots[knot + 1] - knots[knot]) * (place - knot as f64)
         };
-        (0..self.length).map(at).collect()
+        (0..self.known.length).map(at).collect()
     }
 
     /// The expected disturbance at each sample, zero included (unit).
@@ -526,6 +587,7 @@ impl Disturbance {
     #[must_use]
     pub fn with_constant(mut self, u: f64) -> Self {
         if u > 0.0 {
+            self.constant = u;
             self.modes.push(vec![u; KNOTS]);
         }
         self
@@ -590,7 +652,13 @@ struct Grid {
 }
 
 impl Grid {
-    fn of(records: &[KnownParts]) -> Self {
+    /// Probability of 1/f noise over that of none, before the data are seen (1).
+    fn pink_odds(&self) -> f64 {
+        let count = self.pink.iter().filter(|pink| **pink > 0.0).count();
+        count as f64 * AMPLITUDE_PROBABILITY / NO_DISTURBANCE
+    }
+
+    fn of(records: &[KnownParts], known_pink: Option<f64>) -> Self {
         let mut units = [0.0; 3];
         for record in records {
             for (unit, energy) in units.iter_mut().zip(record.unit_energies()) {
@@ -610,6 +678,7 @@ impl Grid {
             std::iter::once(0.0).chain(all.filter(|amplitude| *amplitude <= largest)).collect()
         };
         let [drifts, hums, pink] = units.map(amplitudes);
+        let pink = known_pink.map_or(pink, |known| vec![known]);
         let prior =
             |amplitude: f64| if amplitude > 0.0 { AMPLITUDE_PROBABILITY } else { NO_DISTURBANCE };
         let mut candidates = Vec::new();

@@ -9,6 +9,7 @@ pub mod disturbance;
 pub mod droop;
 mod fourier;
 pub mod gate;
+pub mod innovations;
 pub mod least_squares;
 mod local_fit;
 pub mod pulse;

@@ -89,14 +89,28 @@ pub fn fit(
     } else {
         RandomInputs::of(&mut scene)?.beside(&freed_paths, &whole)
     };
+    let again: Option<Records>;
     let mut model = TraceModel::new(&scene, knobs, &records, freed, &mut report);
     let (minimum, starts) = search::best(&mut model, options)?;
-    let minimum = with_inputs(&mut model, minimum, inputs)?;
+    let mut minimum = with_inputs(&mut model, minimum, inputs)?;
+    again = if records.have_pink_noise() {
+        let shown = model.shown(&minimum.x).ok_or(LeastSquaresError::NoStart)?;
+        records.weighed_again(&shown)
+    } else {
+        None
+    };
+    if let Some(again) = &again {
+        model.records = again;
+        let is_held = model.inputs.count() == 0;
+        let criteria = if is_held { STOP_CRITERIA } else { INPUT_STOP_CRITERIA };
+        minimum = minimise(&mut model, &minimum.x, criteria)?;
+    }
+    let used = model.records;
     let inputs = model.inputs.clone();
     let names = model.names();
     let shown = model.shown(&minimum.x).ok_or(LeastSquaresError::NoStart)?;
     let why = if options.gains { FREE_GAINS } else { "" };
-    let covariance = covariance::of(&minimum, &records, &shown)
+    let covariance = covariance::of(&minimum, used, &shown)
         .map_err(|u| undetermined(&minimum, &names, u.parameter, why))?;
     for (place, knob) in knobs.iter().enumerate() {
         let (value, u) = (minimum.x[place], covariance[place][place].sqrt());
@@ -142,8 +156,9 @@ pub fn fit(
         starts,
         runs,
     };
-    let report = found.report((measured, &scene), knobs, (&records, options), began);
+    let report = found.report((measured, &scene), knobs, (used, options), began);
     let scores = minimum.x[minimum.x.len() - inputs.count()..].to_vec();
+    let records = again.unwrap_or(records);
     Ok(Fit { report, records, shown, inputs, scores })
 }
 

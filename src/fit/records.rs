@@ -10,13 +10,21 @@
 //! samples have made the prediction, and have no weight in the fit. A fit by least squares takes
 //! `W r` for the residuals `r`, with `W^T W = C^-1` (generalised least squares): mode by mode,
 //! `W r -> W r - (1 - 1/sqrt(1 + |p|^2)) p (p^T W r)/|p|^2` with `p = W f` for mode `f`.
+//!
+//! 1/f noise that is faster than the modes goes from sample to sample: a filter makes it white
+//! before ([`crate::analysis::innovations`]). The samples before the pulse tell that it is there,
+//! of all channels together, but hardly its amplitude; the residuals of a first fit do, by their
+//! likelihood. If they have more variance than the baseline leaves to chance, that is no noise, but
+//! something that the scene leaves out.
 
 use std::ops::Range;
 
 use super::forward::TimeAxis;
+use super::report::most_variance;
 use super::{FitError, FitOptions};
 use crate::analysis::baseline::{Baseline, noise_of};
-use crate::analysis::disturbance::DisturbanceKind;
+use crate::analysis::disturbance::{Disturbance, FOUND};
+use crate::analysis::innovations::Innovations;
 use crate::analysis::pulse::{Conditions, Pulse};
 use crate::analysis::rounding::Rounding;
 use crate::measurement::compare::ComparedShot;
@@ -44,6 +52,8 @@ pub struct ChannelRecord {
     pub channel: usize,
     /// The front panel under which it was taken.
     pub vertical: VerticalSetup,
+    /// Which samples of the whole record these are.
+    pub range: Range<usize>,
     /// The samples (V).
     pub volts: Vec<f64>,
     /// Baselines (V).
@@ -60,12 +70,14 @@ pub struct ChannelRecord {
     pub rounding: Rounding,
     /// Samples that they were found from.
     pub quiet_samples: usize,
-    /// Kinds of disturbance that the baseline shows beyond doubt.
-    pub disturbed_by: Vec<DisturbanceKind>,
+    /// What the baseline says of a disturbance, if it tells of any.
+    pub found: Option<Disturbance>,
     /// What disturbs the samples, as the baseline predicts it, less its mean there (V).
     pub disturbance: Vec<f64>,
     /// Modes of its error (V).
     pub modes: Vec<Vec<f64>>,
+    /// What makes noise that goes from sample to sample white, if there is any.
+    pub innovations: Option<Innovations>,
     /// How residuals become white, for each mode: the share of a direction that is taken off, and
     /// the direction, a unit vector (1).
     pub whitening: Vec<(f64, Vec<f64>)>,
@@ -98,9 +110,20 @@ impl ChannelRecord {
 
     /// Makes `residuals` white (1).
     pub fn whiten(&self, residuals: &mut [f64]) {
+        self.innovations.iter().for_each(|filter| filter.whiten(residuals));
         for factor in &self.whitening {
             take_off(residuals, factor);
         }
+    }
+
+    /// Mode `mode` in the samples that have weight, over their standard deviation, with what makes
+    /// noise that goes from sample to sample white (1).
+    fn direction(&self, mode: &[f64]) -> Vec<f64> {
+        let over_sigma =
+            |(index, v): (usize, &f64)| if self.weighs(index) { v / self.sigma } else { 0.0 };
+        let mut direction: Vec<f64> = mode.iter().enumerate().map(over_sigma).collect();
+        self.innovations.iter().for_each(|filter| filter.whiten(&mut direction));
+        direction
     }
 
     /// The disturbance as a fit finds it, from the whitened `residuals` that it leaves (V).
@@ -110,26 +133,51 @@ impl ChannelRecord {
         let mut all = self.disturbance.clone();
         all.resize(residuals.len(), 0.0);
         for mode in &self.modes {
-            // Residuals without weight are zero.
-            let score: f64 = mode.iter().zip(&found).map(|(m, r)| m / self.sigma * r).sum();
+            let score: f64 = self.direction(mode).iter().zip(&found).map(|(m, r)| m * r).sum();
             all.iter_mut().zip(mode).for_each(|(value, m)| *value += score * m);
         }
         all
     }
 
-    /// Takes over what the `baseline` says of a disturbance in the samples `range` of a record of
-    /// `length`.
-    fn follow(&mut self, baseline: &Baseline, range: Range<usize>, length: usize) {
-        let part = |values: Vec<f64>| values.get(range.clone()).unwrap_or_default().to_vec();
-        let zeros = part(baseline.zeros(length));
-        self.disturbance = zeros.into_iter().map(|zero| zero - baseline.level).collect();
-        self.modes = baseline.modes(length).into_iter().map(part).collect();
-        let inside = |index: usize| index.clamp(range.start, range.end) - range.start;
+    /// Weighs samples by the white and 1/f noise that the traces `shown` (V) leave; how much more
+    /// variance that is than the baseline tells, none where it tells nothing (1).
+    fn weigh_again(&mut self, shown: &[f64]) -> Option<f64> {
+        let counts = self.counted();
+        let left = self.volts.iter().zip(shown).zip(&counts);
+        let left: Vec<f64> =
+            left.map(|((v, shown), counts)| if *counts { v - shown } else { 0.0 }).collect();
+        let known = self.found.as_ref()?;
+        let found = known.with_noise_of(&left, &counts)?;
+        let more = (found.sample_noise() / known.sample_noise()).powi(2);
+        self.sigma = noise_of(found.sample_noise(), self.level);
+        self.innovations = Some(found.innovations(self.sigma, &counts));
+        self.weigh_by(found);
+        Some(more)
+    }
+
+    /// Takes over what the `baseline` says of a disturbance.
+    fn follow(&mut self, (baseline, found): (&Baseline, &Disturbance)) {
+        let Range { start, end } = self.range;
+        let inside = |index: usize| index.clamp(start, end) - start;
         self.taken = inside(baseline.end - baseline.samples)..inside(baseline.end);
+        self.weigh_by(found.clone());
+    }
+
+    /// The samples that have weight.
+    fn counted(&self) -> Vec<bool> {
+        (0..self.volts.len()).map(|index| self.weighs(index)).collect()
+    }
+
+    /// Weighs samples by what is known of the disturbance `found`.
+    fn weigh_by(&mut self, found: Disturbance) {
+        let part = |values: Vec<f64>| values.get(self.range.clone()).unwrap_or_default().to_vec();
+        let zeros = part(found.values()).into_iter();
+        self.disturbance = zeros.map(|zero| zero - self.baseline).collect();
+        self.modes = found.modes().into_iter().map(part).collect();
+        self.found = Some(found);
+        self.whitening.clear();
         for mode in &self.modes {
-            let over_sigma =
-                |(index, v): (usize, &f64)| if self.weighs(index) { v / self.sigma } else { 0.0 };
-            let mut direction: Vec<f64> = mode.iter().enumerate().map(over_sigma).collect();
+            let mut direction = self.direction(mode);
             self.whitening.iter().for_each(|factor| take_off(&mut direction, factor));
             let square: f64 = direction.iter().map(|v| v * v).sum();
             if square > 0.0 {
@@ -213,6 +261,35 @@ impl Records {
         let is_exact = metadata::is_scope_exact(measured.set);
         let by_file = if is_exact { 0.0 } else { scene.scope.model.accuracy.time / 3f64.sqrt() };
         Ok(Self { axis, list, time_base_u: options.time_base_u.unwrap_or(by_file), notes })
+    }
+
+    /// Whether the baselines of all channels together say beyond doubt that there is 1/f noise.
+    pub fn have_pink_noise(&self) -> bool {
+        let found = self.list.iter().filter_map(|record| record.found.as_ref());
+        found.map(|found| found.pink_evidence).sum::<f64>() > (FOUND / (1.0 - FOUND)).ln()
+    }
+
+    /// The same with the 1/f noise that the traces `shown` (V) leave, faster than the modes; none
+    /// where that is more than the baselines leave to chance.
+    pub fn weighed_again(&self, shown: &[Vec<f64>]) -> Option<Self> {
+        let mut again = self.clone();
+        let records = again.list.iter_mut().zip(shown);
+        let (names, more): (Vec<&str>, Vec<f64>) = records
+            .filter_map(|(record, shown)| {
+                let more = record.weigh_again(shown)?;
+                Some((record.name.as_str(), more))
+            })
+            .unzip();
+        let note =
+            format!("{}: 1/f noise goes from sample to sample: ± counts it", names.join(", "));
+        again.notes.push(note);
+        let most = most_variance(self.quiet_samples());
+        (more.iter().sum::<f64>() <= most * more.len() as f64).then_some(again)
+    }
+
+    /// Samples that the shortest baseline has.
+    pub fn quiet_samples(&self) -> usize {
+        self.list.iter().map(|record| record.quiet_samples).min().unwrap_or(0)
     }
 
     /// The scene's channels and their front panels.
@@ -335,6 +412,7 @@ fn record(
         channel: wire.simulated,
         vertical,
         volts: all[range.clone()].to_vec(),
+        range,
         baseline,
         sigma,
         level,
@@ -342,15 +420,15 @@ fn record(
         taken: 0..0,
         rounding,
         quiet_samples,
-        disturbed_by: Vec::new(),
+        found: None,
         disturbance: Vec::new(),
         modes: Vec::new(),
+        innovations: None,
         whitening: Vec::new(),
         gain_u: 0.0,
     };
     if let Some((quiet, found)) = quiet.as_ref().and_then(|q| Some((q, q.disturbance.as_ref()?))) {
-        record.follow(quiet, range, all.len());
-        record.disturbed_by.clone_from(&found.found);
+        record.follow((quiet, found));
         if found.is_found() {
             notes.push(format!(
                 "{}: found {} before the pulse: fitted along with the signal; earth the probe, trigger on line, take more pre-trigger or a shorter time base",

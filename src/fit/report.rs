@@ -216,7 +216,7 @@ impl FittedMinimum<'_> {
             residual_variance: self.minimum.variance(),
             only_noise_is_left: leftover.is_none(),
             notes: [
-                notes(self.minimum, records, leftover, &self.starts),
+                notes(records, leftover, &self.starts),
                 far_off(self.inputs, scores),
                 self.taken_as_exact,
             ]
@@ -304,6 +304,12 @@ fn far_off(inputs: &RandomInputs, scores: &[f64]) -> Vec<String> {
     far.map(note).collect()
 }
 
+/// The largest residual variance that so many samples before the pulse leave to chance (1).
+pub fn most_variance(quiet: usize) -> f64 {
+    let by_chance = 1.0 + NOISE_DEVIATIONS * (2.0 / quiet.max(2) as f64).sqrt();
+    MAX_RESIDUAL_VARIANCE.max(by_chance)
+}
+
 /// What says that more than noise is left, if anything does.
 fn leftover(minimum: &Minimum, records: &Records, channels: &[ChannelResult]) -> Option<String> {
     let variance = minimum.variance();
@@ -314,12 +320,12 @@ fn leftover(minimum: &Minimum, records: &Records, channels: &[ChannelResult]) ->
         channel.lag_one.abs() > MAX_AUTOCORRELATION.max(by_chance) && !is_quiet(record)
     };
     let following: Vec<_> = channels.iter().zip(&records.list).filter(follows).collect();
-    let has_pink = |record: &ChannelRecord| record.disturbed_by.contains(&DisturbanceKind::Pink);
+    let has_pink = |record: &ChannelRecord| {
+        record.found.as_ref().is_some_and(|found| found.found.contains(&DisturbanceKind::Pink))
+    };
     let is_pink = !following.is_empty() && following.iter().all(|(_, record)| has_pink(record));
     let following: Vec<&str> = following.iter().map(|(channel, _)| channel.name.as_str()).collect();
-    let quiet = records.list.iter().map(|record| record.quiet_samples).min().unwrap_or(0);
-    let by_chance = 1.0 + NOISE_DEVIATIONS * (2.0 / quiet.max(2) as f64).sqrt();
-    if variance <= MAX_RESIDUAL_VARIANCE.max(by_chance) && following.is_empty() {
+    if variance <= most_variance(records.quiet_samples()) && following.is_empty() {
         return None;
     }
     let which =
@@ -332,17 +338,13 @@ fn leftover(minimum: &Minimum, records: &Records, channels: &[ChannelResult]) ->
     Some(format!("more than noise is left{which} (residual variance {variance:.3}): {why}"))
 }
 
-fn notes(
-    minimum: &Minimum,
-    records: &Records,
-    leftover: Option<String>,
-    starts: &[Option<f64>],
-) -> Vec<String> {
+fn notes(records: &Records, leftover: Option<String>, starts: &[Option<f64>]) -> Vec<String> {
     let mut notes = records.notes.clone();
     notes.extend(leftover);
-    let same = |chi: &&Option<f64>| {
-        chi.is_some_and(|chi| chi <= minimum.chi_squared * (1.0 + MINIMUM_TOLERANCE))
-    };
+    // The minimum itself may be another one: with other inputs, or with the noise found there.
+    let lowest = starts.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+    let same =
+        |chi: &&Option<f64>| chi.is_some_and(|chi| chi <= lowest * (1.0 + MINIMUM_TOLERANCE));
     let agree = starts.iter().filter(same).count();
     if agree < starts.len() {
         notes.push(format!("{agree} of {} starts came to the lowest minimum", starts.len()));
