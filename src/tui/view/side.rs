@@ -2,7 +2,7 @@
 
 use crate::quantity::Uncertain;
 use ratatui::Frame;
-use ratatui::layout::{Margin, Rect};
+use ratatui::layout::Rect;
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::Line;
 use ratatui::widgets::{Block, Borders, Clear, Paragraph};
@@ -38,13 +38,9 @@ pub(in crate::tui) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &m
         Rect { x: layout.page.right() - width, width, ..layout.page }
     };
     frame.render_widget(Clear, area);
-    frame.render_widget(Block::new().borders(Borders::LEFT | Borders::TOP).title(title), area);
-    let inner = area.inner(Margin::new(1, 1));
-    let inner = Rect {
-        width: area.width.saturating_sub(1),
-        height: area.height.saturating_sub(1),
-        ..inner
-    };
+    let block = Block::new().borders(Borders::LEFT | Borders::TOP | Borders::RIGHT).title(title);
+    let inner = block.inner(area);
+    frame.render_widget(block, area);
     frame.render_widget(Paragraph::new(lines), inner);
 }
 
@@ -143,7 +139,7 @@ fn cost_text(live: &LiveBench) -> Vec<Line<'static>> {
         pair("energy drift", &format!("{:.1e}", summary.energy.drift)),
     ];
     // Behind the word, so that further lines are seen to belong to it.
-    let room = usize::from(SIDE_WIDTH) - 1 - EFFECTS_WORD.len();
+    let room = usize::from(SIDE_WIDTH) - 2 - EFFECTS_WORD.len();
     for (row, effects) in wrapped(&summary.effects.join(" "), room).into_iter().enumerate() {
         let word = if row == 0 { EFFECTS_WORD } else { "" };
         lines.push(Line::raw(format!("{word:<width$}{effects}", width = EFFECTS_WORD.len())));
