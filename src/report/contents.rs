@@ -155,18 +155,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn channels_in_a_row_are_listed_by_their_ends() {
-        let channels = |numbers: &[u8]| {
-            listed(&numbers.iter().map(|number| Source::Channel(*number)).collect::<Vec<_>>())
-        };
-        assert_eq!(channels(&[2]), "CH2");
-        assert_eq!(channels(&[1, 2]), "CH1, CH2");
-        assert_eq!(channels(&[1, 2, 3, 4]), "CH1 to CH4");
-        assert_eq!(channels(&[1, 2, 4]), "CH1, CH2, CH4");
-        assert_eq!(listed(&[Source::Channel(1), Source::Math]), "CH1, MATH");
-    }
-
-    #[test]
     fn days_of_the_calendar() {
         for (seconds, text) in [
             (0, "1970-01-01 00:00:00 UTC"),
