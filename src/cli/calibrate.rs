@@ -137,6 +137,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     for file in &written {
         super::print(&format!("  certificate {}", file.display()))?;
     }
+    if let Some(file) = &arguments.dcc {
+        super::print(&format!("  digital     {}", file.display()))?;
+    }
     let missing = missing(&found);
     if !written.is_empty() && !missing.is_empty() {
         let keys = missing.join(", ");

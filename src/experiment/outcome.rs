@@ -293,8 +293,7 @@ pub fn speeds(chain: &Chain, readings: &[Reading]) -> Vec<Speed> {
                 offset: reading.offset,
                 offset_u: 0.0,
             };
-            let Some((distance_m, _)) = distance(chain, place(from, upper), place(to, lower))
-            else {
+            let Some(distance_m) = distance(chain, place(from, upper), place(to, lower)) else {
                 continue;
             };
             for (estimator, arrival) in ESTIMATORS {

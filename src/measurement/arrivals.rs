@@ -93,7 +93,7 @@ pub struct SpeedBetween {
     pub to: String,
     /// Distance of the plates along the chain at rest (m).
     pub distance_m: f64,
-    /// Its standard uncertainty, as given or from what the scene says of the plates' offsets (m).
+    /// Its standard uncertainty, as given or from the scene's uncertain diameters and offsets (m).
     pub distance_u_m: f64,
     /// The arrival's estimator, or `cross_correlation`.
     pub estimator: &'static str,
@@ -323,9 +323,9 @@ fn scene_speeds(
     };
     let speeds = |(a, b): (usize, usize)| {
         let (a, b) = (&placed[a], &placed[b]);
-        let (value, u) =
+        let distance =
             scene.distance(a.place, b.place).filter(|_| !is_measured(a.channel, b.channel))?;
-        Some(between(Uncertain::normal(value, u), (a.channel, a.pulse), (b.channel, b.pulse)))
+        Some(between(distance, (a.channel, a.pulse), (b.channel, b.pulse)))
     };
     neighbours(placed, |placed| placed.place).into_iter().filter_map(speeds).flatten().collect()
 }
@@ -367,9 +367,9 @@ fn decays(scene: &Scene, placed: &[PlacedPulse<'_>]) -> Vec<Decay> {
         };
         let a = placed[..index].iter().rev().find(is_like)?;
         let ratio = b.force?.over(a.force?);
-        let (distance, distance_u) = scene.distance(a.place, b.place)?;
-        let rate = -ratio.value.ln() / distance;
-        let u = (ratio.u / ratio.value).hypot(rate * distance_u) / distance;
+        let distance = scene.distance(a.place, b.place)?;
+        let rate = -ratio.value.ln() / distance.value;
+        let u = (ratio.u / ratio.value).hypot(rate * distance.u) / distance.value;
         let rate = Uncertain::normal(rate, u);
         Some(Decay {
             from: a.channel.to_owned(),

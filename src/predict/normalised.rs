@@ -7,10 +7,11 @@
 //! noise of both scopes, the gain and the prediction's band. The inputs' moves are the least, in
 //! their own standard uncertainties, that take the prediction to the measurement:
 //! `d_i = (m - s) b_i / sum of b_j^2`, `b` the changes with one uncertainty each. Speeds on both
-//! sides are delays over the scene's own distance: plates that are elsewhere change the delay. The
-//! verdict is one test of all peaks, delays and speeds ([`JointTest`]), and an `E_n` up to 1 of
-//! each trace, which benches as stated hardly ever exceed: the mean over its samples hardly
-//! scatters. Sources: ISO 13528:2022, 9.6; ASME V&V 20-2009.
+//! sides are delays over the scene's own distance, which is exact here: plates that are elsewhere,
+//! or beads of another size, change the delay. The verdict is one test of all peaks, delays and
+//! speeds ([`JointTest`]), and an `E_n` up to 1 of each trace, which benches as stated hardly ever
+//! exceed: the mean over its samples hardly scatters. Sources: ISO 13528:2022, 9.6; ASME V&V
+//! 20-2009.
 
 use serde::Serialize;
 
@@ -203,7 +204,7 @@ fn pulse_speed(
     predicted: &UncertainPrediction,
     speed: &SpeedScore,
 ) -> Option<(NormalisedError, JointQuantity)> {
-    let sides = [speed.measured_m_per_s, speed.simulated_m_per_s];
+    let sides = [speed.measured_over_exact_distance, speed.simulated_m_per_s];
     let what = speed.estimator.replace('_', "-");
     let (name, output) = between(comparison, &predicted.speeds_as_measured, speed, &what)?;
     let own = if speed.estimator == "half_rise" {

@@ -5,7 +5,7 @@
 //! picture with its caption. A sheet ends above the block that no longer fits. Blocks that stay
 //! with the next one, such as headings, move with it. A table goes on below its heading row.
 
-use super::page::{Part, is_narrow};
+use super::page::{Part, SIGNATURE, is_narrow};
 use super::pdf::{Pages, PdfError, Picture};
 use super::plot::{Sheet, Theme, svg, with_minus_signs};
 use crate::quantity::printable_line;
@@ -32,6 +32,8 @@ const LINE: f64 = 1.3;
 /// Room above a paragraph, a table or a picture, and above a heading (pt).
 const GAP: f64 = 5.0;
 const HEADING_GAP: f64 = 14.0;
+/// Room for a signature above its line (pt).
+const SIGNATURE_GAP: f64 = 15.0 * MILLIMETRE;
 /// Room between the edge of a cell and its text, across and along a line (in sizes of its text).
 const PADDING: (f64, f64) = (0.2, 0.45);
 /// Room between two pictures side by side (pt).
@@ -60,6 +62,7 @@ pub fn page_pdf(title: &str, parts: &[Part]) -> Result<(Vec<u8>, String), PdfErr
         match part {
             Part::Heading(level, words) => setter.heading(*level, words),
             Part::Paragraph(words) => setter.lines(words, 0.0),
+            Part::Signature => setter.signature(),
             Part::Fact(label, fact) => setter.lines(&format!("{label}: {fact}"), 0.0),
             Part::List(_, items) => {
                 for item in items {
@@ -128,6 +131,12 @@ impl Setter {
         let lines = self.wrap(&typeset(words), size, ROOM.0);
         self.column((0.0, 0.0), size, &lines);
         self.end_block(HEADING_GAP, LINE * size * lines.len() as f64, true, None);
+    }
+
+    /// The line to sign on; the room above it is part of its block, which a sheet's top keeps.
+    fn signature(&mut self) {
+        self.pages.line_of_text((0.0, SIGNATURE_GAP + TEXT), TEXT, SIGNATURE);
+        self.end_block(0.0, SIGNATURE_GAP + LINE * TEXT, false, None);
     }
 
     /// Lines of a paragraph, or of an item of a list if `indent` is not zero (pt).

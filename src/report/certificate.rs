@@ -270,7 +270,7 @@ fn parts(title: &str, report: &CalibrationReport, pictures: &[(String, Sheet)]) 
     parts
         .extend([heading("Method and conditions"), two_columns(rows(procedure(report)), ["", ""])]);
     parts.extend([heading("Authorisation"), two_columns(rows(authorisation(named)), ["", ""])]);
-    parts.push(paragraph("Signature: ______________________________"));
+    parts.push(Part::Signature);
     parts.push(paragraph("This certificate may be reproduced in full only, unless the laboratory has agreed in writing."));
     let missing = missing(report);
     if !missing.is_empty() {

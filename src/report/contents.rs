@@ -5,7 +5,6 @@ use super::text::hanging_indent;
 use crate::quantity::engineering;
 use crate::recording::mcap::Traffic;
 use crate::recording::{Capture, Origin, Shot, TraceSet};
-use crate::scope::Source;
 
 /// A number with more characters than this is rounded where people read it.
 const MAX_NUMBER_WIDTH: usize = 8;
@@ -102,35 +101,14 @@ fn shot_lines(shot: &Shot) -> Vec<String> {
     if shot.origin == Origin::Measured && shot.timestamp_ns > 0 {
         lines.push(format!("  date of the file: {}", utc(shot.timestamp_ns)));
     }
-    lines.extend(notes(shot));
+    let notes = shot.captures.iter().flat_map(|capture| {
+        capture.notes.iter().map(|note| format!("{}: {note}", capture.waveform.source))
+    });
+    lines.extend(table::joined(notes).iter().map(|note| format!("  {note}")));
     if !shot.truth.is_empty() {
         lines.push(format!("  and {} simulated signals (true forces, motion)", shot.truth.len()));
     }
     lines
-}
-
-/// The notes on all captures, each once with the channels that it concerns.
-fn notes(shot: &Shot) -> Vec<String> {
-    let mut notes: Vec<(&String, Vec<Source>)> = Vec::new();
-    for capture in &shot.captures {
-        let source = capture.waveform.source;
-        for note in &capture.notes {
-            match notes.iter_mut().find(|(known, _)| *known == note) {
-                Some((_, sources)) => sources.push(source),
-                None => notes.push((note, vec![source])),
-            }
-        }
-    }
-    notes.into_iter().map(|(note, sources)| format!("  {}: {note}", listed(&sources))).collect()
-}
-
-/// `CH1`, `CH1, CH3`, or `CH1 to CH4`.
-fn listed(sources: &[Source]) -> String {
-    let follows = |pair: &[Source]| matches!(pair, [Source::Channel(a), Source::Channel(b)] if a.checked_add(1) == Some(*b));
-    match sources {
-        [first, _, .., last] if sources.windows(2).all(follows) => format!("{first} to {last}"),
-        _ => sources.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "),
-    }
 }
 
 fn capture_row(capture: &Capture) -> Vec<String> {
@@ -145,7 +123,8 @@ fn capture_row(capture: &Capture) -> Vec<String> {
         waveform.source.to_string(),
         waveform.codes.len().to_string(),
         engineering(waveform.vertical.scale, &format!("{}/div", preamble.y_unit), 3),
-        format!("{} div", waveform.vertical.position),
+        // Zero without a sign.
+        format!("{} div", waveform.vertical.position + 0.0),
         waveform.vertical.coupling.map_or("?".to_owned(), |c| c.to_string()),
         engineering(waveform.horizontal_scale, &format!("{}/div", preamble.x_unit), 3),
         ((1e3 * waveform.trigger_point).round() / 1e3).to_string(),
@@ -174,18 +153,6 @@ pub fn utc(nanoseconds: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn channels_in_a_row_are_listed_by_their_ends() {
-        let channels = |numbers: &[u8]| {
-            listed(&numbers.iter().map(|number| Source::Channel(*number)).collect::<Vec<_>>())
-        };
-        assert_eq!(channels(&[2]), "CH2");
-        assert_eq!(channels(&[1, 2]), "CH1, CH2");
-        assert_eq!(channels(&[1, 2, 3, 4]), "CH1 to CH4");
-        assert_eq!(channels(&[1, 2, 4]), "CH1, CH2, CH4");
-        assert_eq!(listed(&[Source::Channel(1), Source::Math]), "CH1, MATH");
-    }
 
     #[test]
     fn days_of_the_calendar() {

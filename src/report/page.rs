@@ -18,6 +18,8 @@ pub enum Part {
     Heading(u8, String),
     /// A paragraph.
     Paragraph(String),
+    /// A line to sign on, below room for a signature.
+    Signature,
     /// A named statement: `verdict`, `pass`.
     Fact(&'static str, String),
     /// Items of a list, each called by the label.
@@ -40,6 +42,9 @@ impl Part {
         parts.into_iter().filter(move |_| has_rows)
     }
 }
+
+/// The line of [`Part::Signature`].
+pub(super) const SIGNATURE: &str = "Signature: ______________________________";
 
 /// Whether two pictures are side by side where a page is wide.
 pub(super) fn is_narrow(sheet: &Sheet) -> bool {
@@ -65,6 +70,7 @@ pub fn text(parts: &[Part]) -> String {
             Part::Heading(1, heading) => lines.push(heading.clone()),
             Part::Heading(_, heading) => lines.extend([String::new(), heading.clone()]),
             Part::Paragraph(paragraph) => lines.push(format!("  {paragraph}")),
+            Part::Signature => lines.push(format!("  {SIGNATURE}")),
             Part::Fact(label, fact) => lines.extend([String::new(), format!("{label}  {fact}")]),
             Part::List(label, items) => {
                 lines.extend(items.iter().map(|item| format!("  {label}  {item}")));
@@ -89,6 +95,9 @@ pub fn markdown(parts: &[Part]) -> String {
             }
             Part::Paragraph(paragraph) => {
                 let _ = writeln!(text, "{}", plain(paragraph));
+            }
+            Part::Signature => {
+                let _ = writeln!(text, "{SIGNATURE}");
             }
             Part::Fact(label, fact) => {
                 let _ = writeln!(text, "{label}: {}", plain(fact));
@@ -139,6 +148,7 @@ pub fn html(title: &str, parts: &[Part]) -> String {
                 writeln!(body, "<h{level}>{}</h{level}>", escape(heading))
             }
             Part::Paragraph(paragraph) => writeln!(body, "<p>{}</p>", escape(paragraph)),
+            Part::Signature => writeln!(body, "<p class=\"s\">{SIGNATURE}</p>"),
             Part::Fact(label, fact) => writeln!(body, "<p>{label}: {}</p>", escape(fact)),
             Part::List(_, items) => {
                 let items = items
@@ -177,6 +187,7 @@ pub fn html(title: &str, parts: &[Part]) -> String {
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}</title>\n<style>\n\
          body {{ font-family: sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; }}\n\
          table {{ border-collapse: collapse; }} th, td {{ border: 1px solid #c0c0c0; padding: 0.2em 0.6em; text-align: right; }}\n\
+         .s {{ margin-top: 15mm; }}\n\
          .l {{ text-align: left; }} td.l:first-child {{ white-space: nowrap; width: 1%; }}\n\
          .n {{ display: inline-block; width: 49%; margin: 0; vertical-align: top; }} figure {{ margin: 0.5em 0; }} figcaption {{ font-size: 85%; }} td {{ overflow-wrap: anywhere; }} td:not(.l) {{ white-space: nowrap; }}\n\
          @page {{ size: A4; margin: 18mm 16mm 20mm;\n\

@@ -110,9 +110,10 @@ pub fn signed_with_expanded(value: f64, expanded: Option<f64>, unit: &str) -> St
 /// where it was said first.
 pub(super) fn joined(notes: impl IntoIterator<Item = String>) -> Vec<String> {
     let mut lines: Vec<(Option<String>, String)> = Vec::new();
+    let is_channel = |name: &str| name == "MATH" || name.starts_with("CH") && !name.contains(' ');
     for note in notes {
         let (channel, words) = match note.split_once(": ") {
-            Some((channel, words)) if channel.starts_with("CH") && !channel.contains(' ') => {
+            Some((channel, words)) if is_channel(channel) => {
                 (Some(channel.to_owned()), words.to_owned())
             }
             _ => (None, note),
@@ -141,6 +142,8 @@ mod tests {
     fn what_several_channels_share_is_said_once() {
         let notes = ["CH1: cut", "no speeds", "CH2: cut", "CH2: noisy"].map(str::to_owned);
         assert_eq!(joined(notes), ["CH1, CH2: cut", "no speeds", "CH2: noisy"]);
+        let notes = ["CH1: cut", "MATH: cut"].map(str::to_owned);
+        assert_eq!(joined(notes), ["CH1, MATH: cut"]);
     }
 
     #[test]

@@ -313,7 +313,8 @@ impl Adjustable {
             return;
         };
         let Some(said) = tables.get_mut(table).filter(|_| material.len() == 2) else { return };
-        for (key, entry) in &**all {
+        // The source states the file's numbers, not those that take their place.
+        for (key, entry) in all.iter().filter(|(key, _)| &***key != "source") {
             let value = match &entry.node.value {
                 Value::Text(text) => quoted(text),
                 Value::Number { typed, .. } => typed.to_string(),

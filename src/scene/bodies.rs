@@ -303,6 +303,8 @@ pub fn striker(table: &TableReader<'_>, materials: &Materials) -> Option<Striker
 pub struct Particles<'a> {
     /// Bodies from the top; a kind that could not be read is missing.
     pub bodies: Vec<Body>,
+    /// Length of each body over that of its kind; 0 where a taper states it instead (1).
+    pub scales: Vec<f64>,
     /// Kind of each place, from the top; empty if a segment could not be read.
     pub kinds: Vec<&'a str>,
 }
@@ -370,7 +372,9 @@ pub fn particles<'a>(
                 for (name, _) in names {
                     particles.kinds.push(name);
                     let kind = known.get(name).and_then(Option::as_ref);
-                    particles.bodies.extend(kind.map(|(body, _)| body.scaled(size)));
+                    let Some((body, _)) = kind else { continue };
+                    particles.bodies.push(body.scaled(size));
+                    particles.scales.push(if segment.diameter.is_some() { 0.0 } else { size });
                 }
             }
         }

@@ -87,6 +87,8 @@ pub struct Scene {
     pub spec: ChainSpec,
     /// The chain in static equilibrium.
     pub chain: Chain,
+    /// Length of each particle over that of its kind; 0 where a taper states it instead (1).
+    pub length_scales: Vec<f64>,
     /// Initial velocity of each body, the striker first (m/s).
     pub initial_velocities: Vec<f64>,
     /// Standard deviation of the striker's speed from shot to shot, relative to its mean; none
@@ -126,13 +128,9 @@ impl Scene {
         self.stated_uncertainty_of(path).is_some()
     }
 
-    /// What `[uncertainty]` states of the number at `path` of a sensor.
+    /// What `[uncertainty]` states of the number at `path` of a sensor or a kind of particle.
     pub fn stated_uncertainty_of(&self, path: &str) -> Option<&UncertainInput> {
-        let any = match path.split('.').collect::<Vec<_>>()[..] {
-            ["sensors", _, key] => format!("sensors.*.{key}"),
-            _ => String::new(),
-        };
-        self.uncertainty.iter().find(|input| input.path == path || input.path == any)
+        uncertainty::stated(&self.uncertainty, path)
     }
 
     /// Loads an included scene, by name, or a file, by path.
@@ -260,7 +258,8 @@ fn read(
     };
     let motion_sensors = motion_sensors::motion_sensors(&tables, particles, moving.rods);
     for sensor in sensors.iter_mut().filter(|sensor| sensor.site != Site::Wall) {
-        sensor.offset_u = uncertainty::of_offset(&uncertainty, &sensor.name, sensor.offset);
+        let stated = uncertainty::stated(&uncertainty, &format!("sensors.{}.offset", sensor.name));
+        sensor.offset_u = stated.map_or(0.0, |input| input.distribution.standard(sensor.offset));
     }
     if let Some(tolerance) = &effects.sensor_tolerance {
         for placed in &sensors {
@@ -293,6 +292,7 @@ fn read(
         texts,
         spec,
         chain,
+        length_scales: moving.length_scales,
         initial_velocities: moving.initial_velocities,
         striker_speed_spread: effects.spread,
         sensors,
@@ -320,6 +320,7 @@ struct Moving<'a> {
     lies: bool,
     initial_velocities: Vec<f64>,
     built: Option<(ChainSpec, Chain)>,
+    length_scales: Vec<f64>,
     notes: Vec<Note>,
 }
 
@@ -389,8 +390,8 @@ fn moving<'a>(keys: &RootKeys<'a>, places: &[(&str, PlaceKeys<'_>)]) -> Moving<'
     if !lies && keys.effects.as_ref().is_none_or(|effects| !effects.has("gravity")) {
         notes.extend(built.as_ref().and_then(|(_, chain)| weightless(chain)));
     }
-    let kinds = particles.kinds;
-    Moving { kinds, wall, rods, effects, lies, initial_velocities, built, notes }
+    let (kinds, length_scales) = (particles.kinds, particles.scales);
+    Moving { kinds, wall, rods, effects, lies, initial_velocities, built, length_scales, notes }
 }
 
 /// The note on a chain on a wall without gravity, if its weight would matter to its last contact.

@@ -2,12 +2,14 @@
 //! of the striker and the magnet.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 use rand_distr::{Distribution as _, StandardNormal};
 
-use super::distance::{PlatePlace, distance};
+use super::distance::{PlatePlace, Site, distance};
 use super::{Scene, input_load};
-use crate::chain::{Chain, ChainError, MagnetForce};
+use crate::chain::{Body, Chain, ChainError, MagnetForce};
+use crate::quantity::Uncertain;
 use crate::scope::ChannelSetup;
 use crate::scope::front_end::noise_stream;
 use crate::sensor::{Circuit, Load};
@@ -31,10 +33,43 @@ impl Scene {
         })
     }
 
-    /// Distance down the chain at rest between two plates, negative upward, and its standard
-    /// uncertainty (m).
-    pub fn distance(&self, from: PlatePlace, to: PlatePlace) -> Option<(f64, f64)> {
-        distance(&self.chain, from, to)
+    /// Distance down the chain at rest between two plates, in metres, negative upward.
+    ///
+    /// Its uncertainty is that of the plates' offsets and of the particles' lengths, from
+    /// `[uncertainty]`: `u(d)^2 = sum (u_i dd/dx_i)^2` over inputs `x_i` that are independent of
+    /// each other. All particles of a kind have one length, and inputs of a group vary together.
+    pub fn distance(&self, from: PlatePlace, to: PlatePlace) -> Option<Uncertain> {
+        let value = distance(&self.chain, from, to)?;
+        let body = |particle| self.chain.bodies().get(self.chain.body_of(particle));
+        let mut variance = 0.0;
+        // What one standard uncertainty of an input changes.
+        let mut changes = BTreeMap::<String, f64>::new();
+        for (particle, scale) in (1..).zip(&self.length_scales) {
+            let share = from.height_per_length(particle) - to.height_per_length(particle);
+            let Some(body) = body(particle).filter(|_| share * scale != 0.0) else { continue };
+            let path = format!("particles.{}.{}", body.name, length_key(body));
+            let Some(input) = self.stated_uncertainty_of(&path) else { continue };
+            let u = input.distribution.standard(body.length / scale);
+            let name = input.group.clone().unwrap_or(path);
+            *changes.entry(name).or_default() += share * scale * u;
+        }
+        for (place, sign) in [(from, -1.0), (to, 1.0)] {
+            let Site::Particle(particle) = place.site else { continue };
+            let change = sign * place.offset_u * body(particle)?.length;
+            match self.group_of_offset(place) {
+                Some(group) => *changes.entry(group.to_owned()).or_default() += change,
+                None => variance += change * change,
+            }
+        }
+        variance += changes.values().map(|change| change * change).sum::<f64>();
+        Some(Uncertain::normal(value, variance.sqrt()))
+    }
+
+    /// The group whose inputs vary together with the offset of the plate at `place`, if any.
+    fn group_of_offset(&self, place: PlatePlace) -> Option<&str> {
+        let sensor = self.sensors.iter().find(|sensor| sensor.place() == place)?;
+        let input = self.stated_uncertainty_of(&format!("sensors.{}.offset", sensor.name))?;
+        input.group.as_deref()
     }
 
     /// The speed at which the striker first touches the chain, before any spread; none without a
@@ -106,4 +141,10 @@ impl Scene {
         }
         velocities
     }
+}
+
+/// The key of a particle that is its length along the chain.
+fn length_key(body: &Body) -> &'static str {
+    let is_flat = body.curvature == 0.0;
+    if is_flat { "height" } else { "diameter" }
 }

@@ -234,11 +234,13 @@ fn between(
     }
 }
 
-/// Standard uncertainty of the offset of sensor `name`, which is `offset` (1).
-pub fn of_offset(inputs: &[UncertainInput], name: &str, offset: f64) -> f64 {
-    let paths = [format!("sensors.{name}.offset"), "sensors.*.offset".to_owned()];
-    let named = |path: &String| inputs.iter().find(|input| input.path == *path);
-    paths.iter().find_map(named).map_or(0.0, |input| input.distribution.standard(offset))
+/// What is stated of the number at `path`, or of that of all sensors or kinds of particles.
+pub fn stated<'u>(inputs: &'u [UncertainInput], path: &str) -> Option<&'u UncertainInput> {
+    let named = |path: &str| inputs.iter().find(|input| input.path == path);
+    named(path).or_else(|| match path.split('.').collect::<Vec<_>>()[..] {
+        [table @ ("sensors" | "particles"), _, key] => named(&format!("{table}.{ANY}.{key}")),
+        _ => None,
+    })
 }
 
 impl InputDistribution {

@@ -75,6 +75,9 @@ fn a_recording_gives_its_scene_back() {
     // 10,000 samples: the residual variance is 1 within 5 deviations of chi squared.
     let variance = number(&found["residual_variance"]);
     assert!((variance - 1.0).abs() < 0.15, "noise is estimated from 150 samples: {variance}");
+    // The modulus is not from the paper that the material's file names.
+    let text = std::fs::read_to_string(&fitted).expect("a scene");
+    assert!(text.contains("density") && !text.contains("source"), "{text}");
     let scene = Scene::load(&fitted).expect("the fitted scene");
     let speed = number(&parameters[0]["value"]);
     assert!((scene.initial_velocities[0] / speed - 1.0).abs() < 1e-5);

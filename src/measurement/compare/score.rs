@@ -74,9 +74,14 @@ pub struct SpeedScore {
     pub estimator: &'static str,
     /// Distance along the chain at rest, of each side's own scene where it has one (m).
     pub distance_m: f64,
+    /// Standard uncertainty of the measured one (m).
+    pub distance_u_m: f64,
     /// Measured, metres per second.
     pub measured_m_per_s: Uncertain,
-    /// Simulated, metres per second.
+    /// The same as if the distance were exact.
+    #[serde(skip)]
+    pub measured_over_exact_distance: Uncertain,
+    /// Simulated, metres per second; the distance is exact.
     pub simulated_m_per_s: Uncertain,
     /// Measured over simulated, less one.
     pub error: Uncertain,

@@ -296,7 +296,7 @@ pub fn speeds(
     let mut found = Vec::new();
     for (upper, lower) in neighbours(&placed, |(_, place)| *place) {
         let (from, to) = (placed[upper], placed[lower]);
-        let distance = |scene: &Scene| scene.distance(from.1, to.1).map(|(distance, _)| distance);
+        let distance = |scene: &Scene| scene.distance(from.1, to.1);
         let Some(distances) = distance(&of_measured).zip(distance(&of_simulated)) else { continue };
         found.extend(ESTIMATORS.into_iter().filter_map(|e| between(from.0, to.0, distances, e)));
     }
@@ -306,22 +306,24 @@ pub fn speeds(
 fn between(
     from: &ChannelPair,
     to: &ChannelPair,
-    (measured_m, simulated_m): (f64, f64),
+    (of_measured, of_simulated): (Uncertain, Uncertain),
     estimator: Estimator,
 ) -> Option<SpeedScore> {
     let (start, start_there) = from.arrivals(estimator)?;
     let (end, end_there) = to.arrivals(estimator)?;
     let exact = |value: f64| Uncertain::normal(value, 0.0);
-    let measured = speed(exact(measured_m), start, end)?;
-    let simulated = speed(exact(simulated_m), start_there, end_there)?;
+    let measured = speed(of_measured, start, end)?;
+    let simulated = speed(exact(of_simulated.value), start_there, end_there)?;
     let ratio = measured.value / simulated.value;
     let relative = |speed: Uncertain| speed.u / speed.value;
     Some(SpeedScore {
         from: from.name.clone(),
         to: to.name.clone(),
         estimator: estimator.key(),
-        distance_m: measured_m,
+        distance_m: of_measured.value,
+        distance_u_m: of_measured.u,
         measured_m_per_s: measured,
+        measured_over_exact_distance: speed(exact(of_measured.value), start, end)?,
         simulated_m_per_s: simulated,
         error: Uncertain::normal(
             ratio - 1.0,

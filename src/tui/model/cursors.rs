@@ -203,7 +203,7 @@ impl ScreenState {
         let speed = || {
             let from = self.sensor(first.source)?.place?;
             let to = self.sensor(second.source)?.place?;
-            let (distance, _) = self.recordings.front().scene.as_ref()?.distance(from, to)?;
+            let distance = self.recordings.front().scene.as_ref()?.distance(from, to)?.value;
             (distance != 0.0).then(|| (distance / difference).abs())
         };
         Some(CursorReading {

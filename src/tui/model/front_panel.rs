@@ -8,6 +8,8 @@ use super::state::RunState;
 use crate::scope::{AcquireMode, Slope, Source, TriggerMode, Waveform};
 use crate::tui::axis::{PRESSES_PER_DIVISION, TurnDirection, Vertical, ViewWindow};
 
+/// A turn of the position knob: a multiple of the scopes' steps of 0.04 div (div).
+const POSITION_STEP: f64 = 0.4;
 /// A turn of the trigger level (div).
 const LEVEL_STEP: f64 = 0.1;
 
@@ -78,7 +80,7 @@ impl ScreenState {
 
     /// The position knob.
     pub(super) fn turn_position(&mut self, turn: TurnDirection) {
-        let step = turn.sign() / PRESSES_PER_DIVISION;
+        let step = turn.sign() * POSITION_STEP;
         match self.scope_setting("position") {
             Some((path, vertical)) => {
                 let now = self.set_for(&path).unwrap_or(vertical.position);

@@ -182,6 +182,7 @@ impl BenchKnob {
         match (self.read)(scene, source) {
             None if self.effect.is_some() => "off".to_owned(),
             None if self.turning == KnobStep::Decade => "auto".to_owned(),
+            None if self.path == FORCE_ON_TOP => "free".to_owned(),
             None => "-".to_owned(),
             Some(value) if self.turning == KnobStep::Decade => format!("{value:.0e}"),
             Some(value) if self.unit == "div" => format!("{value:.3} div"),

@@ -98,16 +98,18 @@ fn behind(model: &ScreenState, layout: &ScreenLayout, window: ViewWindow) -> Vec
     }
     for waveform in shown(model) {
         let projection = projection(layout, window, model.vertical(waveform));
-        let dotted = |trace: &Trace, colour: Color| TraceLine {
+        let drawn = |trace: &Trace, colour: Color, stroke: LineStyle| TraceLine {
             spans: spans_of_trace(trace, &projection),
             rows: projection.rows,
             colour,
-            stroke: LineStyle::Dotted,
+            stroke,
         };
         let edges = model.bands(waveform).into_iter().flatten();
-        lines.extend(edges.map(|edge| dotted(edge, grey)));
+        lines.extend(edges.map(|edge| drawn(edge, grey, LineStyle::Dotted)));
         let white = colour(model.palette(), Color::White);
-        lines.extend(model.truth(waveform).map(|truth| dotted(&truth, white)));
+        let is_plain = model.palette() == Palette::Plain;
+        let stroke = if is_plain { LineStyle::Dashed } else { LineStyle::Dotted };
+        lines.extend(model.truth(waveform).map(|truth| drawn(&truth, white, stroke)));
     }
     lines
 }

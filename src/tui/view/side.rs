@@ -2,7 +2,7 @@
 
 use crate::quantity::Uncertain;
 use ratatui::Frame;
-use ratatui::layout::{Margin, Rect};
+use ratatui::layout::Rect;
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::Line;
 use ratatui::widgets::{Block, Borders, Clear, Paragraph};
@@ -16,8 +16,10 @@ use crate::report::with_expanded;
 use crate::tui::model::knobs::BenchKnob;
 use crate::tui::model::{LiveBench, ScreenState, SidePanel};
 
-/// Columns of a name.
-const NAME_WIDTH: usize = 14;
+/// Columns of a knob's name.
+const KNOB_WIDTH: usize = 14;
+/// Columns of a measurement's name; value and uncertainty need the rest.
+const NAME_WIDTH: usize = 12;
 /// Word before the effects that are on.
 const EFFECTS_WORD: &str = "on: ";
 /// Columns of a pair of channels.
@@ -38,17 +40,17 @@ pub(in crate::tui) fn draw(model: &ScreenState, layout: &ScreenLayout, frame: &m
         Rect { x: layout.page.right() - width, width, ..layout.page }
     };
     frame.render_widget(Clear, area);
-    frame.render_widget(Block::new().borders(Borders::LEFT | Borders::TOP).title(title), area);
-    let inner = area.inner(Margin::new(1, 1));
-    let inner = Rect {
-        width: area.width.saturating_sub(1),
-        height: area.height.saturating_sub(1),
-        ..inner
-    };
+    let block = Block::new().borders(Borders::LEFT | Borders::TOP | Borders::RIGHT).title(title);
+    let inner = block.inner(area);
+    frame.render_widget(block, area);
     frame.render_widget(Paragraph::new(lines), inner);
 }
 
 fn pair(name: &str, value: &str) -> Line<'static> {
+    Line::raw(format!("{name:<KNOB_WIDTH$}{value}"))
+}
+
+fn measurement(name: &str, value: &str) -> Line<'static> {
     Line::raw(format!("{name:<NAME_WIDTH$}{value}"))
 }
 
@@ -65,7 +67,7 @@ fn measurements(model: &ScreenState) -> Vec<Line<'static>> {
     let mut lines = vec![heading(model, name)];
     for reading in &derived.readings {
         let value = reading.value.map_or_else(|| "?".to_owned(), |v| spelled(v, &reading.unit, 4));
-        lines.push(pair(reading.name, &value));
+        lines.push(measurement(reading.name, &value));
     }
     if let Some(survey) = &derived.survey {
         arrivals(model, survey, &mut lines);
@@ -82,10 +84,10 @@ fn arrivals(model: &ScreenState, survey: &Survey, lines: &mut Vec<Line<'static>>
     let name = model.selected().map(|c| c.waveform.source.to_string());
     if let Some(channel) = survey.channels.iter().find(|c| Some(&c.channel) == name.as_ref()) {
         let half = channel.arrivals.iter().find(|a| a.estimator == "half_rise");
-        lines.extend(half.and_then(|a| a.time_s).map(|t| pair("arrival", &with_u(t, "s"))));
+        lines.extend(half.and_then(|a| a.time_s).map(|t| measurement("arrival", &with_u(t, "s"))));
         let own = channel.height.map(|height| (height, channel.unit.as_str()));
         let height = channel.height_n.map(|force| (force, "N")).or(own);
-        lines.extend(height.map(|(height, unit)| pair("1st peak", &with_u(height, unit))));
+        lines.extend(height.map(|(height, unit)| measurement("1st peak", &with_u(height, unit))));
     }
     let half = |speed: &&SpeedBetween| speed.estimator == "half_rise";
     let speeds: Vec<&SpeedBetween> = survey.speeds.iter().filter(half).collect();
@@ -143,7 +145,7 @@ fn cost_text(live: &LiveBench) -> Vec<Line<'static>> {
         pair("energy drift", &format!("{:.1e}", summary.energy.drift)),
     ];
     // Behind the word, so that further lines are seen to belong to it.
-    let room = usize::from(SIDE_WIDTH) - 1 - EFFECTS_WORD.len();
+    let room = usize::from(SIDE_WIDTH) - 2 - EFFECTS_WORD.len();
     for (row, effects) in wrapped(&summary.effects.join(" "), room).into_iter().enumerate() {
         let word = if row == 0 { EFFECTS_WORD } else { "" };
         lines.push(Line::raw(format!("{word:<width$}{effects}", width = EFFECTS_WORD.len())));

@@ -130,6 +130,19 @@ pub(in crate::tui) enum LineStyle {
     Solid,
     /// Every other dot, where colours cannot tell traces apart.
     Dotted,
+    /// Dashes of three columns.
+    Dashed,
+}
+
+impl LineStyle {
+    /// Whether a line has a dot at column `x` and row `y`.
+    fn has_dot(self, x: usize, y: usize) -> bool {
+        match self {
+            Self::Solid => true,
+            Self::Dotted => (x + y).is_multiple_of(2),
+            Self::Dashed => (x / 3).is_multiple_of(2),
+        }
+    }
 }
 
 /// A trace on a canvas of `rows` rows of dots.
@@ -152,7 +165,7 @@ impl Shape for TraceLine {
             let bottom = column(span.bottom).min(below - 1);
             for y in top..=bottom {
                 let Ok(y) = usize::try_from(y) else { continue };
-                if self.stroke == LineStyle::Solid || (x + y) % 2 == 0 {
+                if self.stroke.has_dot(x, y) {
                     painter.paint(x, y, self.colour);
                 }
             }
@@ -201,6 +214,15 @@ mod tests {
 
     fn rounded(spans: &[Span]) -> Vec<(i64, i64)> {
         spans.iter().map(|span| (column(span.top), column(span.bottom))).collect()
+    }
+
+    /// The truth without colours beside a trace that is not selected.
+    #[test]
+    fn dashes_and_dots_differ() {
+        let row = |style: LineStyle| (0..12).map(|x| style.has_dot(x, 1)).collect::<Vec<_>>();
+        let dashes = [[true; 3], [false; 3], [true; 3], [false; 3]].concat();
+        assert_eq!(row(LineStyle::Dashed), dashes);
+        assert_eq!(row(LineStyle::Dotted), [false, true].repeat(6));
     }
 
     #[test]

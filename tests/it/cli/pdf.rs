@@ -199,6 +199,17 @@ fn a_certificate_is_printed_without_a_browser() {
     assert!(result.contains(" ± ") && result.contains(" mV/N, "), "{result}");
     says(&text, &[result, "End of certificate 2026-114.", "not stated (sensor.serial)"]);
     says(&text, &["Łucja Ødegård, \u{fffd}"]);
+    // A hand needs 15 mm above the line to sign on, which is on the sheet of its name.
+    let is_there = |(text, _): &&(String, _)| text.starts_with("Signature");
+    let sheet = found.iter().find(|sheet| sheet.texts.iter().any(|text| is_there(&text)));
+    let texts = &sheet.expect("a line to sign on").texts;
+    let edge = |corners: &[(f64, f64)], of: fn(f64, f64) -> f64| {
+        corners.iter().map(|(_, y)| *y).reduce(of).expect("corners")
+    };
+    let top = edge(&texts.iter().find(is_there).expect("the line").1, f64::max);
+    let room = texts.iter().map(|(_, corners)| edge(corners, f64::min) - top);
+    let room = room.filter(|room| *room > 0.0).fold(f64::INFINITY, f64::min);
+    assert!(room > 15.0 * MILLIMETRE - ROUNDING && room < 30.0 * MILLIMETRE, "{room} pt");
     // Hashes are broken in their narrow column.
     let joined: String = text.split_whitespace().collect();
     for impact in json["impacts"].as_array().expect("impacts") {

@@ -98,7 +98,7 @@ fn only_the_selected_trace_is_moved() {
             Action::Position(TurnDirection::Up),
         ],
     );
-    assert!(near(vertical(&model).position, 1.5));
+    assert!(near(vertical(&model).position, 1.2));
     let other = after(model, &[Action::Channel(2)]);
     assert!(near(vertical(&other).position, -1.0));
 }

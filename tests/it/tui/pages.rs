@@ -218,8 +218,8 @@ fn measurements_say_what_the_trace_is() {
     assert!((value("Mean").expect("a mean") - 0.9).abs() < 1e-12);
     assert_eq!(value("Period"), None);
     let screen = draw(&model, 80, 24);
-    screen.find("Pk-Pk         1.000 V");
-    screen.find("Period        ?");
+    screen.find("Pk-Pk       1.000 V");
+    screen.find("Period      ?");
 }
 
 #[test]

@@ -115,7 +115,7 @@ fn it_shows_what_the_scope_shows_and_its_keys_turn_the_scope() {
 
     for (action, query, expected) in [
         (Action::VoltsPerDivision(TurnDirection::Up), "CH1:SCA?", "2.0E0\n"),
-        (Action::Position(TurnDirection::Up), "CH1:POS?", "2.52E0\n"),
+        (Action::Position(TurnDirection::Up), "CH1:POS?", "2.4E0\n"),
         (
             Action::TimePerDivision { turn: TurnDirection::Down, anchor: 0.0 },
             "HOR:MAI:SCA?",
