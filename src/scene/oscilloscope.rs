@@ -30,6 +30,7 @@ table! {
         firmware = text(),
         interface = text(),
         record_length = count(2, MAX_RECORD_LENGTH),
+        bits = count(8, 16).or("8"),
         channels = count(1, 4),
         bandwidth = positive(Dimension::FREQUENCY),
         limited_bandwidth = positive(Dimension::FREQUENCY),

@@ -300,6 +300,21 @@ fn what_an_impact_costs_is_limited() {
     assert!((1_200..=1_230).contains(&samples(1e-6, 1e-3, 0.0)));
 }
 
+/// A bench without a striker is driven: an impact is its signal.
+#[test]
+fn a_driven_bench_says_that_its_signal_plays() {
+    let told = |arguments: &[&str]| {
+        let mut server = Process::start(arguments);
+        let lines = server.told.by_ref().map_while(Result::ok);
+        lines.skip(1).next().expect("a line after the resource string")
+    };
+    assert_eq!(
+        told(&["driven-dimer"]),
+        "to drive    send BENCh:IMPact: the drive's signal plays once, from rest"
+    );
+    assert_eq!(told(&["gravity-0.61g"]), "to strike   send BENCh:IMPact");
+}
+
 /// Two lines on standard input are two impacts; its end is not the server's.
 #[test]
 fn enter_strikes_the_chain() {
