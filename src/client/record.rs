@@ -1,12 +1,12 @@
 //! The record of one trace as the scope sends it, checked against all that the scope says of it.
 //!
-//! The scope states most quantities more than once: the vertical scale in `YMULT` (25 levels of 8
-//! bits in a division), in `WFID` and in `CHx:SCALE` of `SET?`; the time base in `XINCR` (250 points in a
-//! division), in `WFID` and in `HORizontal`; the number of points in `NR_PT`, in `WFID` and in the
-//! block. A record that contradicts itself in its length, or names another trace than was asked
-//! for, is an invalid reply. Other contradictions are notes of the capture: some are true, as after
-//! a turn of the time base on a stopped scope. Sources: programmer manual 071-1075, `WFMPre`; the
-//! project's fact sheet on the TDS2000 family, sections 2.4 and 2.5.
+//! The scope states most quantities more than once: the vertical scale in `YMULT` (with 8 bits, 25
+//! levels in a division), in `WFID` and in `CHx:SCALE` of `SET?`; the time base in `XINCR` (250
+//! points in a division), in `WFID` and in `HORizontal`; the number of points in `NR_PT`, in `WFID`
+//! and in the block. A record that contradicts itself in its length, or names another trace than
+//! was asked for, is an invalid reply. Other contradictions are notes of the capture: some are
+//! true, as after a turn of the time base on a stopped scope. Sources: programmer manual 071-1075,
+//! `WFMPre`; the project's fact sheet on the TDS2000 family, sections 2.4 and 2.5.
 
 use crate::quantity::{engineering, printable_line};
 use crate::recording::set_file::SetFile;

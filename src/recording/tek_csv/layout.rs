@@ -3,7 +3,7 @@
 
 use crate::quantity::c_exponential;
 use crate::scope::Source;
-use crate::scope::waveform::levels_per_division;
+use crate::scope::waveform::LEVELS_PER_DIVISION;
 
 /// Decimals of every number in the header but the trigger point.
 pub(super) const DECIMALS: usize = 6;
@@ -15,8 +15,6 @@ const POINTS_PER_DIVISION: f64 = 250.0;
 const DECIBELS_PER_DIVISION: f64 = 10.0;
 /// The last printed digit of an ordinate (V; dB for an FFT).
 const ORDINATE_DIGIT: f64 = 1e-5;
-/// Last digits in the finest level that a reader finds behind printed ordinates (1).
-const DIGITS_OF_LEVEL: f64 = 2.0;
 /// Largest relative error of a number printed with [`DECIMALS`].
 pub(super) const PRINTING_ERROR: f64 = 5e-7;
 /// Slack for the round-off of a few operations in double precision, relative.
@@ -192,8 +190,6 @@ impl Domain {
 /// The numbers of a header.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Numbers {
-    /// Bits of the converter.
-    pub(super) bits: u8,
     /// From one point to the next (s; Hz for an FFT).
     pub(super) interval: f64,
     /// Index of the trigger (1).
@@ -224,7 +220,7 @@ pub(super) struct Violation {
 impl Numbers {
     /// One digitiser level (V; dB for an FFT).
     pub(super) fn level(&self) -> f64 {
-        self.scale / levels_per_division(self.bits)
+        self.scale / LEVELS_PER_DIVISION
     }
 
     /// The first number that breaks the rules of `domain`.
@@ -257,7 +253,7 @@ impl Numbers {
     }
 
     fn time_rules(&self) -> [Rule; 3] {
-        let smallest = DIGITS_OF_LEVEL * ORDINATE_DIGIT * levels_per_division(self.bits);
+        let smallest = ORDINATE_DIGIT * LEVELS_PER_DIVISION;
         let scale = format!("above {smallest} V/div, or five decimals do not resolve levels");
         let division = POINTS_PER_DIVISION * self.interval;
         let width = format!("{}, 250 sample intervals", c_exponential(division, DECIMALS));

@@ -1,8 +1,7 @@
 //! Finds the digitiser levels behind a printed column of voltages. In this order, the first that
 //! explains every value within its printed digits:
 //!
-//! 1. the grid that the header's scale gives, one level = V/div / 25 (10 dB/div: 0.4 dB), or that of
-//!    a converter of more than 8 bits where the file's dialect prints levels;
+//! 1. the grid that the header's scale gives, one level = V/div / 25 (10 dB/div: 0.4 dB);
 //! 2. an even grid that the values themselves show by the gaps between them;
 //! 3. the grid of the last printed digit: the file exactly as printed, if that takes no more than
 //!    16 bits;
@@ -14,7 +13,7 @@
 //! V/div and two decimals).
 
 use super::column::{SampleColumn, one_two_five, ten_to};
-use crate::scope::waveform::{BITS, FAMILY_BITS, LEVELS_PER_DIVISION, levels_per_division};
+use crate::scope::waveform::LEVELS_PER_DIVISION;
 
 /// Levels that 16 bits can tell apart, with some to spare at the ends.
 const MAX_LEVELS: f64 = 65_000.0;
@@ -53,25 +52,16 @@ pub(super) struct ValueGrid {
     pub(super) origin: f64,
     pub(super) indices: Vec<i64>,
     pub(super) evidence: LevelSource,
-    /// Bits of the converter whose levels these are, if the scale gives them.
-    pub(super) bits: u8,
     /// Values that are not on the grid, and have the nearest index.
     pub(super) strays: Vec<usize>,
 }
 
 impl ValueGrid {
-    /// The grid of `column`; `scale` is the header's (V/div; dB/div for an FFT). Printed levels
-    /// (`are_levels`) may be those of a converter of more than 8 bits.
-    pub(super) fn find(column: &SampleColumn, scale: Option<f64>, are_levels: bool) -> Self {
-        let of_bits = |bits, stray_share| {
-            let step = scale? / levels_per_division(bits);
-            let grid = on_grid(column, step, LevelSource::Scale, stray_share)?;
-            Some(Self { bits, ..grid })
-        };
-        let finest = if are_levels { *BITS.end() } else { FAMILY_BITS };
-        (FAMILY_BITS..=finest)
-            .find_map(|bits| of_bits(bits, 0.0))
-            .or_else(|| of_bits(FAMILY_BITS, MAX_STRAY_SHARE))
+    /// The grid of `column`; `scale` is the header's (V/div; dB/div for an FFT).
+    pub(super) fn find(column: &SampleColumn, scale: Option<f64>) -> Self {
+        let stated = scale.map(|scale| scale / LEVELS_PER_DIVISION);
+        stated
+            .and_then(|step| on_grid(column, step, LevelSource::Scale))
             .or_else(|| from_gaps(column))
             .or_else(|| from_digits(column))
             .unwrap_or_else(|| rounded(column))
@@ -90,13 +80,7 @@ impl ValueGrid {
 }
 
 /// `column` on a grid of `step`, through zero or else through its first value.
-/// At most `stray_share` of its values (1) may be off the grid.
-fn on_grid(
-    column: &SampleColumn,
-    step: f64,
-    evidence: LevelSource,
-    stray_share: f64,
-) -> Option<ValueGrid> {
+fn on_grid(column: &SampleColumn, step: f64, evidence: LevelSource) -> Option<ValueGrid> {
     let (low, high) = column.range();
     let usable = step.is_finite() && step > 0.0 && high - low <= MAX_LEVELS * step;
     // That all values are multiples of one last digit shows nothing; of two or more, it does.
@@ -115,12 +99,15 @@ fn on_grid(
             let off = (*value - origin - index(value) * step).abs();
             off > tolerance(**value) + spare + LEVEL_ROUND_OFF * step
         };
-        let allowed = (stray_share * column.len() as f64) as usize;
+        let allowed = match evidence {
+            LevelSource::Scale => (MAX_STRAY_SHARE * column.len() as f64) as usize,
+            _ => 0,
+        };
         let strays = column.values.iter().enumerate().filter(is_off).take(allowed + 1);
         let strays: Vec<usize> = strays.map(|(place, _)| place).collect();
         (strays.len() <= allowed).then(|| {
             let indices = column.values.iter().map(|value| whole(index(value))).collect();
-            ValueGrid { step, origin, indices, evidence, bits: FAMILY_BITS, strays }
+            ValueGrid { step, origin, indices, evidence, strays }
         })
     })
 }
@@ -140,12 +127,12 @@ fn from_gaps(column: &SampleColumn) -> Option<ValueGrid> {
     for parts in 1..=MAX_LEVELS_IN_GAP {
         let Some(step) = refined(&gaps, smallest / f64::from(parts), tolerance) else { continue };
         let nice = one_two_five(step * LEVELS_PER_DIVISION, 1e-3);
-        let exact = nice
-            .and_then(|scale| on_grid(column, scale / LEVELS_PER_DIVISION, LevelSource::Gaps, 0.0));
+        let exact =
+            nice.and_then(|scale| on_grid(column, scale / LEVELS_PER_DIVISION, LevelSource::Gaps));
         if exact.is_some() {
             return exact;
         }
-        found = found.or_else(|| on_grid(column, step, LevelSource::Gaps, 0.0));
+        found = found.or_else(|| on_grid(column, step, LevelSource::Gaps));
     }
     found
 }
@@ -182,14 +169,7 @@ fn from_digits(column: &SampleColumn) -> Option<ValueGrid> {
     let usable = step.is_finite() && step > 0.0 && high - low <= MAX_LEVELS * step;
     usable.then(|| {
         let indices = column.values.iter().map(|value| whole((value / step).round())).collect();
-        ValueGrid {
-            step,
-            origin: 0.0,
-            indices,
-            evidence: LevelSource::Digits,
-            bits: FAMILY_BITS,
-            strays: Vec::new(),
-        }
+        ValueGrid { step, origin: 0.0, indices, evidence: LevelSource::Digits, strays: Vec::new() }
     })
 }
 
@@ -208,7 +188,7 @@ fn rounded(column: &SampleColumn) -> ValueGrid {
         .fold(0.0, f64::max);
     let indices = column.values.iter().map(|value| whole(index(value))).collect();
     let evidence = LevelSource::Rounded(error);
-    ValueGrid { step, origin: low, indices, evidence, bits: FAMILY_BITS, strays: Vec::new() }
+    ValueGrid { step, origin: low, indices, evidence, strays: Vec::new() }
 }
 
 fn whole(index: f64) -> i64 {

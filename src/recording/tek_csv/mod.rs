@@ -10,8 +10,8 @@
 //! `Serial Number`). With row index `n` from 0, trigger point `tp`, sample interval `si` and
 //! digitiser level `k`:
 //!
-//! - volts `= (k - y_off) y_mult`, `y_mult` = V/div / 25 (a converter of `b` bits: divided by
-//!   `2^(b - 8)`, too), `y_off` = vertical offset / `y_mult`, printed `%10.5f`; in an FFT `Yzero + 0.4 k` dB;
+//! - volts `= (k - y_off) y_mult`, `y_mult` = V/div / 25, `y_off` = vertical offset / `y_mult`,
+//!   printed `%10.5f`; in an FFT `Yzero + 0.4 k` dB;
 //! - time `= (n - tp) si`, printed `%17.12f` beside the header, and `%.12f` without padding below
 //!   it, there with an extra leading `0` where the record reaches below the header before the
 //!   trigger, and a `-` up to and including the trigger's row;

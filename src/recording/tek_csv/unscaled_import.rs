@@ -12,9 +12,7 @@ use super::times::{EvenTimes, StatedTimeBase};
 use crate::quantity::engineering;
 use crate::recording::error::RecordingError;
 use crate::recording::{Capture, InstrumentIdentity};
-use crate::scope::waveform::{
-    HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE, codes, levels_per_division,
-};
+use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 use crate::scope::{PointFormat, Preamble, Source, VerticalSetup, Waveform};
 
 /// Points in one horizontal division of the family.
@@ -169,7 +167,7 @@ impl UnscaledImport {
         if !self.values.beyond.is_empty() {
             return self.beyond_range(stated, unit);
         }
-        let grid = ValueGrid::find(&self.values, stated, self.are_levels);
+        let grid = ValueGrid::find(&self.values, stated);
         self.note_evidence(&grid, stated, unit);
         self.note_strays(&grid, unit);
         let scale = stated.unwrap_or_else(|| self.guess_scale(&grid, unit));
@@ -202,11 +200,10 @@ impl UnscaledImport {
             })
         };
         let codes = grid.indices.iter().map(code).collect();
-        let levels = levels_per_division(grid.bits);
-        let level = scale / levels;
+        let level = scale / LEVELS_PER_DIVISION;
         let position = match self.zero {
             _ if unit == "dB" => 0.0,
-            _ if (grid.step - level).abs() <= 1e-6 * level => y_off / levels,
+            _ if (grid.step - level).abs() <= 1e-6 * level => y_off / LEVELS_PER_DIVISION,
             zero => zero.unwrap_or_default() / scale,
         };
         Vertical { codes, y_mult: grid.step, y_off, y_zero, scale, position }
@@ -390,9 +387,8 @@ impl UnscaledImport {
             // The ends of 16 bits stand for clipped samples.
             return if fits::<i16>(low - 1, high + 1) { 0 } else { -middle };
         }
-        let range = codes(grid.bits);
-        let lowest = i64::from(*range.start()) - low;
-        let highest = i64::from(*range.end()) - high;
+        let lowest = i64::from(LOWEST_CODE) - low;
+        let highest = i64::from(HIGHEST_CODE) - high;
         let Some(zero) = self.zero else {
             if fits::<i8>(low, high) {
                 self.notes

@@ -9,7 +9,7 @@ use crate::quantity::c_exponential;
 use crate::recording::error::{RecordingError, excerpt};
 use crate::recording::{Capture, InstrumentIdentity};
 use crate::scope::Waveform;
-use crate::scope::waveform::{FAMILY_BITS, codes, levels_per_division};
+use crate::scope::waveform::{FAMILY_BITS, HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 
 /// Bytes to set aside for a row; the longest of the family's own has 70.
 const ROW_BYTES: usize = 72;
@@ -127,13 +127,11 @@ fn checked(waveform: &Waveform) -> Result<(Domain, Numbers), RecordingError> {
         let units = format!("{} over {}", excerpt(&preamble.y_unit), excerpt(&preamble.x_unit));
         RecordingError::unwritable("the waveform", units, "`V` over `s` or `dB` over `Hz`")
     })?;
-    let bits = waveform.bits().unwrap_or(FAMILY_BITS);
     let numbers = Numbers {
-        bits,
         interval: preamble.x_incr,
         trigger_point: waveform.trigger_point,
         scale: waveform.vertical.scale,
-        offset: whole(preamble.y_off) * (waveform.vertical.scale / levels_per_division(bits)),
+        offset: whole(preamble.y_off) * (waveform.vertical.scale / LEVELS_PER_DIVISION),
         horizontal_scale: waveform.horizontal_scale,
         y_zero: preamble.y_zero,
         probe: waveform.vertical.probe,
@@ -141,12 +139,17 @@ fn checked(waveform: &Waveform) -> Result<(Domain, Numbers), RecordingError> {
     if let Some(violation) = numbers.violation(domain) {
         return Err(RecordingError::unwritable(violation.key, violation.found, violation.expected));
     }
-    check_codes(waveform, bits, domain)?;
+    if let Some(bits) = waveform.bits().filter(|bits| *bits != FAMILY_BITS) {
+        let expected =
+            "8: the format has 25 levels to a division; .mcap, .isf and tables hold more";
+        return Err(RecordingError::unwritable("the converter's bits", bits, expected));
+    }
+    check_codes(waveform, domain)?;
     check_agreement(waveform, &numbers)?;
     Ok((domain, as_printed(&numbers, domain)?))
 }
 
-fn check_codes(waveform: &Waveform, bits: u8, domain: Domain) -> Result<(), RecordingError> {
+fn check_codes(waveform: &Waveform, domain: Domain) -> Result<(), RecordingError> {
     let expected = usize::from(domain.record_length());
     if waveform.codes.len() != expected {
         return Err(RecordingError::unwritable(
@@ -155,14 +158,12 @@ fn check_codes(waveform: &Waveform, bits: u8, domain: Domain) -> Result<(), Reco
             expected,
         ));
     }
-    let range = codes(bits);
-    let outside = |code: &i16| !range.contains(code);
+    let outside = |code: &i16| !(LOWEST_CODE..=HIGHEST_CODE).contains(code);
     match waveform.codes.iter().enumerate().find(|(_, code)| outside(code)) {
         None => Ok(()),
         Some((index, code)) => {
             let what = format!("the level of point {index}, counted from 0,");
-            let expected = format!("{} to {}", range.start(), range.end());
-            Err(RecordingError::unwritable(&what, code, expected))
+            Err(RecordingError::unwritable(&what, code, format!("{LOWEST_CODE} to {HIGHEST_CODE}")))
         }
     }
 }
@@ -171,7 +172,7 @@ fn check_codes(waveform: &Waveform, bits: u8, domain: Domain) -> Result<(), Reco
 fn check_agreement(waveform: &Waveform, numbers: &Numbers) -> Result<(), RecordingError> {
     let preamble = &waveform.preamble;
     let x_zero = (0.0 - numbers.trigger_point) * numbers.interval;
-    let y_off = waveform.vertical.position * levels_per_division(numbers.bits);
+    let y_off = waveform.vertical.position * LEVELS_PER_DIVISION;
     for (what, found, expected, unit) in [
         ("pt_off", f64::from(preamble.pt_off), 0.0, 0.0),
         ("x_zero", preamble.x_zero, x_zero, numbers.interval),
@@ -205,7 +206,6 @@ fn as_printed(numbers: &Numbers, domain: Domain) -> Result<Numbers, RecordingErr
         Domain::Frequency => numbers.horizontal_scale,
     };
     Ok(Numbers {
-        bits: numbers.bits,
         interval: held(layout::SAMPLE_INTERVAL, numbers.interval, interval)?,
         trigger_point: held(layout::TRIGGER_POINT, numbers.trigger_point, trigger_point)?,
         scale: six(layout::VERTICAL_SCALE, numbers.scale)?,

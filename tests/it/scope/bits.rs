@@ -3,6 +3,7 @@
 //! `2^(b - 1) - 1`.
 
 use hertzscope::experiment::Outcome;
+use hertzscope::measurement::arrivals::survey;
 use hertzscope::recording::format::open;
 use hertzscope::recording::mcap::write;
 use hertzscope::recording::{Capture, TraceSet, isf, tek_csv};
@@ -85,7 +86,7 @@ fn is_same(one: &Capture, other: &Capture) -> bool {
 }
 
 #[test]
-fn every_format_keeps_twelve_bits() {
+fn formats_keep_twelve_bits_or_refuse_them() {
     let outcome = twelve("");
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("a.mcap");
@@ -99,22 +100,10 @@ fn every_format_keeps_twelve_bits() {
             let read = isf::read(&bytes, "a.isf").expect("the same");
             assert!(is_same(&read, capture), "{}", read.waveform.preamble.y_mult);
         }
-        // 12 bits of 1 V/div are steps of 2.5 mV, which five decimals print whole.
-        let text = tek_csv::write(capture).expect("a CSV file");
-        let read = tek_csv::read(text.as_bytes(), "a.csv").expect("the same");
-        assert!(is_same(&read, capture), "{}", read.waveform.preamble.y_mult);
-        assert_eq!(tek_csv::write(&read).expect("the same file"), text);
+        // The instrument's own files have 25 levels to a division.
+        let error = tek_csv::write(capture).expect_err("12 bits").to_string();
+        assert!(error.contains("the converter's bits") && error.contains("12"), "{error}");
     }
-}
-
-/// At 5 mV/div a level of 12 bits is 12.5 uV, and the format's fifth decimal is 10 uV.
-#[test]
-fn a_csv_file_that_cannot_hold_the_levels_is_refused() {
-    let mut capture = twelve("").shot.captures[1].clone();
-    capture.waveform.vertical.scale = 5e-3;
-    capture.waveform.preamble.y_mult = 5e-3 / 400.0;
-    let error = tek_csv::write(&capture).expect_err("too fine").to_string();
-    assert!(error.contains("five decimals do not resolve levels"), "{error}");
 }
 
 /// Values of a table have no scale beside them: they and their distance are kept, the scale is a
@@ -131,6 +120,21 @@ fn a_table_keeps_the_values_of_twelve_bits() {
     let mut pairs = waveform.values().zip(read.values());
     assert!(pairs.all(|(a, b)| (a - b).abs() < 1e-12), "values");
     assert!((read.preamble.y_mult / waveform.preamble.y_mult - 1.0).abs() < 1e-9, "{read:?}");
+}
+
+/// Without noise all that is left is rounding, even within a level: `q/sqrt(12)`, which is 11.5 mV
+/// with 8 bits at 1 V/div and a sixteenth of that with 12.
+#[test]
+fn the_noise_of_rounding_falls_by_sixteen() {
+    let noise = |outcome: &Outcome| {
+        let shots = vec![outcome.shot.clone()];
+        let set = TraceSet { shots, ..TraceSet::default() };
+        survey(&set, &set.shots[0]).channels[1].noise.expect("noise")
+    };
+    for (outcome, level) in [(with(""), 1.0 / 25.0), (twelve(""), 1.0 / 400.0)] {
+        let (noise, expected) = (noise(&outcome), level / 12f64.sqrt());
+        assert!((noise / expected - 1.0).abs() < 0.01, "{noise} {expected}");
+    }
 }
 
 #[test]
