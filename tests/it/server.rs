@@ -319,8 +319,8 @@ fn an_impact_during_a_change_of_scale_is_recorded() {
 fn a_driven_bench_says_that_its_signal_plays() {
     let told = |arguments: &[&str]| {
         let mut server = Process::start(arguments);
-        let lines = server.told.by_ref().map_while(Result::ok);
-        lines.skip(1).next().expect("a line after the resource string")
+        let mut lines = server.told.by_ref().map_while(Result::ok);
+        lines.nth(1).expect("a line after the resource string")
     };
     assert_eq!(
         told(&["driven-dimer"]),
