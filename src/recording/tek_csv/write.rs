@@ -141,8 +141,9 @@ fn checked(waveform: &Waveform) -> Result<(Domain, Numbers), RecordingError> {
     }
     if let Some(bits) = waveform.bits().filter(|bits| *bits != FAMILY_BITS) {
         let expected =
-            "8: the format has 25 levels to a division; .mcap, .isf and tables hold more";
-        return Err(RecordingError::unwritable("the converter's bits", bits, expected));
+            "8 bits: the format has 25 levels to a division; .mcap, .isf and tables hold more";
+        let found = format!("{bits} bits");
+        return Err(RecordingError::unwritable("the converter's resolution", found, expected));
     }
     check_codes(waveform, domain)?;
     check_agreement(waveform, &numbers)?;

@@ -102,7 +102,7 @@ fn formats_keep_twelve_bits_or_refuse_them() {
         }
         // The instrument's own files have 25 levels to a division.
         let error = tek_csv::write(capture).expect_err("12 bits").to_string();
-        assert!(error.contains("the converter's bits") && error.contains("12"), "{error}");
+        assert!(error.contains("the converter's resolution is 12 bits"), "{error}");
     }
 }
 
