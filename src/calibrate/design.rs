@@ -112,7 +112,7 @@ impl Designer {
         let Some(highest) = truths.first() else { return Ok(Vec::new()) };
         let peak = highest.force.values.iter().copied().fold(0.0, f64::max);
         let model = &self.bench.scope.model;
-        let needed = circuit.sensitivity * peak / (SCREEN_FILL_SHARE * room());
+        let needed = circuit.sensitivity * peak / (SCREEN_FILL_SHARE * room(model));
         let Some(scale) = model.vertical_scales.iter().copied().find(|scale| *scale >= needed)
         else {
             return Ok(Vec::new());

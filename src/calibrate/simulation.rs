@@ -20,8 +20,8 @@ use crate::scene::plan::lab::LabStriker;
 use crate::scene::{Scene, SceneError, require};
 use crate::scope::acquire::{before_trigger, digitise, find_trigger};
 use crate::scope::front_end::{condition, noise_stream};
-use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION};
-use crate::scope::{ChannelSetup, Setup, Source, Trigger};
+use crate::scope::waveform::levels_per_division;
+use crate::scope::{ChannelSetup, Model, Setup, Source, Trigger};
 use crate::sensor::Circuit;
 use crate::trace::Trace;
 
@@ -164,8 +164,8 @@ pub fn setting(bench: &Scene, scale: f64, time_base: f64) -> Setup {
 }
 
 /// Share of the screen above zero volts that the converter has (div).
-pub fn room() -> f64 {
-    f64::from(HIGHEST_CODE) / LEVELS_PER_DIVISION - ZERO_POSITION
+pub fn room(model: &Model) -> f64 {
+    f64::from(*model.codes().end()) / levels_per_division(model.bits) - ZERO_POSITION
 }
 
 /// The scope's record of `truth` through `circuit`; phase of its clock and noise come from `seed`

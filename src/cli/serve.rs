@@ -16,6 +16,7 @@ use serde_json::json;
 use tokio::sync::{mpsc, oneshot};
 
 use super::value::quantity;
+use crate::chain::Support;
 use crate::experiment::{Integration, facts};
 use crate::instrument::{BenchAccess, Fault, fault};
 use crate::quantity::Dimension;
@@ -143,7 +144,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     }
     let file = recording.as_ref().map(|recording| recording.file().display().to_string());
     let sockets = Sockets { raw, hislip, vxi11, port_mapper };
-    let mut told = announcement(arguments, &sockets, file.as_deref())?;
+    let mut told = announcement(arguments, &scene, &sockets, file.as_deref())?;
     if scene.scope.trigger.mode == TriggerMode::Auto && !arguments.json {
         told.push_str("\ntrigger     AUTO: records without a trigger follow the impact; to keep it, send TRIGger:MAIn:MODe NORMal");
     }
@@ -202,9 +203,10 @@ fn open_log(file: &Path) -> anyhow::Result<Box<dyn Write + Send>> {
     Ok(Box::new(opened))
 }
 
-/// Where the server listens, what VISA calls that, and how to strike.
+/// Where the server listens, what VISA calls that, and how to strike or drive the chain.
 fn announcement(
     arguments: &Arguments,
+    scene: &Scene,
     sockets: &Sockets,
     recording: Option<&str>,
 ) -> anyhow::Result<String> {
@@ -243,8 +245,16 @@ fn announcement(
             let _ = write!(told, "\n{name} on {address}");
         }
     }
+    // On a driven bench without a striker, an impact is the drive's signal.
+    let is_drive = |support: &Support| matches!(support, Support::Driven(_));
+    let spec = &scene.spec;
+    let is_driven = spec.striker.is_none() && spec.effects.supports.iter().any(is_drive);
     if arguments.impact_on_enter {
-        told.push_str("\nEnter strikes the chain");
+        told.push_str(if is_driven {
+            "\nEnter plays the drive's signal once"
+        } else {
+            "\nEnter strikes the chain"
+        });
     }
     for (name, text) in resources {
         let note = if name == "socket" { " (ends of lines: LF)" } else { "" };
@@ -252,8 +262,15 @@ fn announcement(
             let _ = write!(told, "\nVISA        {text}{note}");
         }
     }
-    if arguments.impact_every.is_none() {
-        told.push_str("\nto strike   send BENCh:IMPact");
+    match (arguments.impact_every, is_driven) {
+        (None, false) => told.push_str("\nto strike   send BENCh:IMPact"),
+        (None, true) => {
+            told.push_str("\nto drive    send BENCh:IMPact: the drive's signal plays once, from rest");
+        }
+        (Some(time), true) => {
+            let _ = write!(told, "\ndriven      every {time} s: the drive's signal plays once, from rest");
+        }
+        (Some(_), false) => {}
     }
     if let Some(file) = recording {
         let _ = write!(told, "\nrecording   {file}");

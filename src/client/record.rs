@@ -1,18 +1,18 @@
 //! The record of one trace as the scope sends it, checked against all that the scope says of it.
 //!
-//! The scope states most quantities more than once: the vertical scale in `YMULT` (25 levels in a
-//! division), in `WFID` and in `CHx:SCALE` of `SET?`; the time base in `XINCR` (250 points in a
-//! division), in `WFID` and in `HORizontal`; the number of points in `NR_PT`, in `WFID` and in the
-//! block. A record that contradicts itself in its length, or names another trace than was asked
-//! for, is an invalid reply. Other contradictions are notes of the capture: some are true, as after
-//! a turn of the time base on a stopped scope. Sources: programmer manual 071-1075, `WFMPre`; the
-//! project's fact sheet on the TDS2000 family, sections 2.4 and 2.5.
+//! The scope states most quantities more than once: the vertical scale in `YMULT` (with 8 bits, 25
+//! levels in a division), in `WFID` and in `CHx:SCALE` of `SET?`; the time base in `XINCR` (250
+//! points in a division), in `WFID` and in `HORizontal`; the number of points in `NR_PT`, in `WFID`
+//! and in the block. A record that contradicts itself in its length, or names another trace than
+//! was asked for, is an invalid reply. Other contradictions are notes of the capture: some are
+//! true, as after a turn of the time base on a stopped scope. Sources: programmer manual 071-1075,
+//! `WFMPre`; the project's fact sheet on the TDS2000 family, sections 2.4 and 2.5.
 
 use crate::quantity::{engineering, printable_line};
 use crate::recording::set_file::SetFile;
 use crate::recording::{Capture, InstrumentIdentity, isf};
 use crate::scope::Source;
-use crate::scope::waveform::LEVELS_PER_DIVISION;
+use crate::scope::waveform::{FAMILY_BITS, LEVELS_PER_DIVISION};
 
 /// Points of one horizontal division of a signal (1).
 const POINTS_PER_DIVISION: f64 = 250.0;
@@ -20,8 +20,17 @@ const POINTS_PER_DIVISION: f64 = 250.0;
 const SIGNAL_POINTS: usize = 2500;
 /// Relative difference of two statements of the same quantity: replies have five digits (1).
 const PRINTING_TOLERANCE: f64 = 1e-4;
-/// The encoding of points that is asked for.
-const ENCODING: [(&str, &str); 3] = [("BYT_NR", "1"), ("ENCDG", "BIN"), ("BN_FMT", "RI")];
+/// The encoding of points that is asked for, in 1 or 2 bytes.
+const ENCODING: [(&str, &str); 2] = [("ENCDG", "BIN"), ("BN_FMT", "RI")];
+
+/// Whether a channel's record in two bytes a point is that of an 8-bit converter: all lower bytes
+/// are 0, in points that are not all the same.
+pub fn has_empty_bytes(capture: &Capture) -> bool {
+    let waveform = &capture.waveform;
+    let bits = waveform.preamble.bits(waveform.vertical.scale, PRINTING_TOLERANCE);
+    let varies = waveform.codes.windows(2).any(|pair| pair[0] != pair[1]);
+    matches!(waveform.source, Source::Channel(_)) && bits == Some(FAMILY_BITS) && varies
+}
 
 /// A reply to `WAVFrm?`, with preamble and block.
 pub struct Record<'a>(pub &'a [u8]);
@@ -78,8 +87,8 @@ impl Record<'_> {
         // False also for numbers that are not finite.
         let same = |a: f64, b: f64| (a - b).abs() <= PRINTING_TOLERANCE * b.abs();
         let mut notes = Vec::new();
-        let scale = preamble.y_mult * LEVELS_PER_DIVISION;
-        if !same(scale, waveform.vertical.scale) {
+        if preamble.bits(waveform.vertical.scale, PRINTING_TOLERANCE).is_none() {
+            let scale = preamble.y_mult * LEVELS_PER_DIVISION;
             let unit = format!("{}/div", preamble.y_unit);
             let (found, other) =
                 (engineering(scale, &unit, 4), engineering(waveform.vertical.scale, &unit, 4));

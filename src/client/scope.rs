@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use super::address::Address;
 use super::connection::Client;
-use super::record::Record;
+use super::record::{Record, has_empty_bytes};
 use super::transport::POLL_INTERVAL;
 use super::transport::invalid_reply;
 use crate::quantity::printable_line;
@@ -144,6 +144,8 @@ pub struct Scope {
     identity: String,
     /// The commands that give replies the form that they had.
     reply_form: String,
+    /// Bytes of a point: two, until a record has shown a converter of 8 bits.
+    width: u8,
 }
 
 impl Scope {
@@ -167,7 +169,7 @@ impl Scope {
             .map_err(|problem| ClientError::NoScope { address: address.to_string(), problem })?;
         let no_form = "no valid reply to HEADer? and VERBose?";
         let reply_form = reply_form(&mut client).map_err(failed(no_form))?;
-        let mut scope = Self { client, timing, instrument, identity, reply_form };
+        let mut scope = Self { client, timing, instrument, identity, reply_form, width: 2 };
         if let Err(source) = scope.client.send(PLAIN_REPLIES) {
             // The failure before is reported.
             let _ = scope.end("");
@@ -251,7 +253,12 @@ impl Scope {
             let capture = Record(record).capture(*source, panel, &self.instrument);
             capture.map_err(|problem| io::Error::new(ErrorKind::InvalidData, problem))
         });
-        captures.collect::<io::Result<_>>().map(Some)
+        let captures: Vec<Capture> = captures.collect::<io::Result<_>>()?;
+        if self.width == 2 && captures.iter().any(has_empty_bytes) {
+            self.width = 1;
+            return self.captures(sources, panel);
+        }
+        Ok(Some(captures))
     }
 
     /// The records of `sources`, each as an ISF file holds it.
@@ -263,7 +270,8 @@ impl Scope {
             sources.iter().map(|source| format!(":DAT:SOU {source};:WAVF?")).collect();
         let records = records.join(";");
         let message = format!(
-            ":DAT:{fields};ENC RIB;WID 1;STAR 1;STOP 2500;:HEAD ON;{records};:HEAD OFF;:DAT:{restore}"
+            ":DAT:{fields};ENC RIB;WID {};STAR 1;STOP 2500;:HEAD ON;{records};:HEAD OFF;:DAT:{restore}",
+            self.width
         );
         let (found, records) = self.client.ask_for_records(&message)?;
         if found != before {

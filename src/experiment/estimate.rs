@@ -3,7 +3,6 @@
 use super::outcome::{ErrorEstimate, Reading};
 use super::run::Run;
 use crate::scene::input_load;
-use crate::scope::waveform::LEVELS_PER_DIVISION;
 
 /// Relative rounding error of readings; estimates are never smaller (1).
 const ROUNDING_ERROR: f64 = 1e-12;
@@ -117,7 +116,7 @@ pub fn level(run: &Run<'_>) -> Option<f64> {
         let (sensor, reading) =
             wired.into_iter().find(|(s, _)| Some(&s.name) == channel.input.as_ref())?;
         let circuit = sensor.sensor.connect(input_load(&scene.scope.model, channel));
-        let volts = channel.vertical.scale / LEVELS_PER_DIVISION;
+        let volts = scene.scope.model.level(channel.vertical.scale);
         Some(volts / (circuit.sensitivity * reading.first_peak?.dynamic_n))
     };
     scene.scope.channels.iter().flatten().filter_map(of_channel).reduce(f64::min)

@@ -14,6 +14,7 @@ use crate::note::Note;
 use crate::quantity::engineering;
 use crate::recording::Shot;
 use crate::scene::{LOOSEST_ACCURACY, PlacedSensor, PlatePlace, Scene, Site, distance};
+use crate::scope::waveform::levels_per_division;
 use crate::scope::{ChannelSetup, Deviation};
 
 /// Everything a run leaves.
@@ -395,7 +396,9 @@ pub fn effects(scene: &Scene) -> Vec<(String, String)> {
     if scene.scope.noise > 0.0 {
         effects.push(("scope_noise".to_owned(), format!("{} div rms", scene.scope.noise)));
     }
-    effects.push(("quantisation".to_owned(), "8 bits, 25 levels a division".to_owned()));
+    let bits = scene.scope.model.bits;
+    let levels = format!("{bits} bits, {} levels a division", levels_per_division(bits));
+    effects.push(("quantisation".to_owned(), levels));
     effects
 }
 

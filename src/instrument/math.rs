@@ -12,7 +12,7 @@ use rustfft::num_complex::Complex;
 
 use crate::scope::model::{FftLaw, RANGE_END_FACTOR};
 use crate::scope::panel::{FftWindow, MathFunction};
-use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
+use crate::scope::waveform::{FAMILY_BITS, LEVELS_PER_DIVISION, codes, levels_per_division};
 use crate::scope::{PointFormat, Preamble, Source, VerticalSetup, Waveform};
 
 /// The math trace of the channels' records, where the records it needs are there.
@@ -28,8 +28,8 @@ pub fn math<'a>(
     }
 }
 
-fn to_code(level: f64, lowest: f64) -> i16 {
-    level.round().clamp(lowest, f64::from(HIGHEST_CODE)) as i16
+fn to_code(level: f64, lowest: f64, bits: u8) -> i16 {
+    level.round().clamp(lowest, f64::from(*codes(bits).end())) as i16
 }
 
 /// Sum (`sign` 1) or difference (-1) of two records of one length, in levels of the coarser scale
@@ -42,12 +42,14 @@ pub fn combine(a: &Waveform, b: &Waveform, sign: f64) -> Option<Waveform> {
     sum.source = Source::Math;
     sum.vertical.scale = a.vertical.scale.max(b.vertical.scale);
     sum.vertical.position = 0.0;
-    sum.preamble.y_mult = sum.vertical.scale / LEVELS_PER_DIVISION;
+    let bits = a.bits().unwrap_or(FAMILY_BITS);
+    let lowest = f64::from(*codes(bits).start());
+    sum.preamble.y_mult = sum.vertical.scale / levels_per_division(bits);
     sum.preamble.y_off = 0.0;
     sum.preamble.y_zero = 0.0;
     let codes = a.codes.iter().zip(&b.codes).map(|(x, y)| {
         let volts = a.volts_of(*x) + sign * b.volts_of(*y);
-        to_code(volts / sum.preamble.y_mult, f64::from(LOWEST_CODE))
+        to_code(volts / sum.preamble.y_mult, lowest, bits)
     });
     sum.codes = codes.collect();
     Some(sum)
@@ -71,7 +73,7 @@ fn spectrum(law: &FftLaw, record: &Waveform, window: FftWindow) -> Option<Wavefo
     let level = |(bin, value): (usize, &Complex<f64>)| {
         let peak = value.norm() / gain * if bin == 0 { 1.0 } else { 2.0 };
         let rms = if bin == 0 { peak } else { peak / 2f64.sqrt() };
-        to_code((20.0 * rms.log10() - y_zero) / law.level, law.lowest_level)
+        to_code((20.0 * rms.log10() - y_zero) / law.level, law.lowest_level, FAMILY_BITS)
     };
     Some(Waveform {
         source: Source::Math,

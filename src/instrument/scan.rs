@@ -13,7 +13,7 @@ use super::record::{AcquisitionSettings, Signals};
 use crate::scope::AcquireMode;
 use crate::scope::acquire::{digitise, level};
 use crate::scope::front_end::{condition, noise_stream};
-use crate::scope::waveform::LOWEST_CODE;
+use crate::scope::waveform::{FAMILY_BITS, codes};
 use crate::scope::{ChannelSetup, PointFormat, Source, Waveform};
 
 /// Time base below which nothing scans, less rounding (s/div).
@@ -53,7 +53,8 @@ pub struct ScanProgress {
 impl Sweep {
     /// A sweep that starts at `now` (s) on a blank screen.
     pub fn start(settings: &AcquisitionSettings<'_>, now: f64) -> Self {
-        let codes = vec![LOWEST_CODE; settings.setup.model.record_length];
+        let model = &settings.setup.model;
+        let codes = vec![*model.codes().start(); model.record_length];
         let means = vec![0.0; codes.len()];
         let lane = ScanChannel { codes, means, ahead: VecDeque::new() };
         let lanes = std::array::from_fn(|_| lane.clone());
@@ -139,7 +140,7 @@ impl Sweep {
             if goes_on && self.written > points {
                 for index in end..end + gap {
                     if let Some(code) = record.codes.get_mut(index % points) {
-                        *code = LOWEST_CODE;
+                        *code = *settings.setup.model.codes().start();
                     }
                 }
             }
@@ -186,10 +187,11 @@ pub fn blank(record: &Waveform) -> Vec<bool> {
     }
     let points = record.codes.len();
     let least = points / DIVISIONS;
+    let lowest = *codes(record.bits().unwrap_or(FAMILY_BITS)).start();
     // The blank may begin at the right edge and end at the left one.
     let mut run = 0;
     for index in (0..2 * points).map(|index| index % points) {
-        run = if record.codes.get(index) == Some(&LOWEST_CODE) { run + 1 } else { 0 };
+        run = if record.codes.get(index) == Some(&lowest) { run + 1 } else { 0 };
         if run >= least.max(1) {
             for back in 0..run.min(points) {
                 if let Some(point) = blank.get_mut((index + points - back) % points) {
@@ -216,12 +218,13 @@ fn sweep(index: usize, most: u32) -> u32 {
 /// Levels of the points of a signal with `step` samples to each: the first of them, or in peak
 /// detection the lowest and the highest of two points' in turn.
 fn points<'a>(
-    settings: &AcquisitionSettings<'_>,
+    settings: &AcquisitionSettings<'a>,
     channel: &'a ChannelSetup,
     signal: &'a [f64],
     step: usize,
 ) -> Box<dyn Iterator<Item = i16> + 'a> {
-    let code = |volts: f64| level(&channel.vertical, volts);
+    let model = &settings.setup.model;
+    let code = |volts: f64| level(model, &channel.vertical, volts);
     if !peaks(settings) {
         return Box::new(signal.iter().step_by(step).map(move |volts| code(*volts)));
     }

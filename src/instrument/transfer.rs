@@ -1,6 +1,7 @@
 //! How waveforms travel: the settings of `DATa`, and the preamble that comes with a waveform sent
 //! in.
 
+use crate::scope::waveform::FAMILY_BITS;
 use crate::scope::word::words;
 use crate::scope::{PointFormat, Source};
 
@@ -61,10 +62,10 @@ impl From<Points> for PointFormat {
     }
 }
 
-/// Steps of a two-byte point in a level of the converter, which is its high byte (1).
-const STEPS_PER_LEVEL: f64 = 256.0;
-/// Levels below zero (1).
-const LEVELS_BELOW_ZERO: f64 = 128.0;
+/// Bits of a point of one byte.
+const BITS_OF_BYTE: i32 = 8;
+/// Offset of a positive point of one byte (1).
+const BYTE_OFFSET: f64 = 128.0;
 
 /// Settings of `DATa`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -128,20 +129,26 @@ impl Transfer {
         (self.format, self.numbers, self.byte_order) = (CurveFormat::Binary, numbers, byte_order);
     }
 
-    /// Steps of a sent point in a level (1).
-    pub fn steps(&self) -> f64 {
-        if self.width == 2 { STEPS_PER_LEVEL } else { 1.0 }
+    /// Steps of a sent point in a level of a converter of `bits`, whose highest bit is the point's
+    /// (1).
+    pub fn steps(&self, bits: u8) -> f64 {
+        f64::from(self.bits() - i32::from(bits)).exp2()
     }
 
-    /// Offset added to levels before they are sent: positive numbers begin at the lowest level,
-    /// text is signed (1).
-    pub fn shift(&self) -> f64 {
-        if self.format == CurveFormat::Ascii { 0.0 } else { self.binary_shift() }
+    /// Bits of a point.
+    fn bits(&self) -> i32 {
+        if self.width == 2 { 2 * BITS_OF_BYTE } else { BITS_OF_BYTE }
+    }
+
+    /// Offset of sent points: positive numbers begin at the lowest level, text is signed (1).
+    pub fn offset(&self) -> f64 {
+        if self.format == CurveFormat::Ascii { 0.0 } else { self.binary_offset() }
     }
 
     /// The same for blocks (1).
-    pub fn binary_shift(&self) -> f64 {
-        if self.numbers == NumberFormat::Positive { LEVELS_BELOW_ZERO } else { 0.0 }
+    pub fn binary_offset(&self) -> f64 {
+        let is_positive = self.numbers == NumberFormat::Positive;
+        if is_positive { BYTE_OFFSET * self.steps(FAMILY_BITS) } else { 0.0 }
     }
 
     /// First and last point of a record of `points` that are sent, as indices in the right order.

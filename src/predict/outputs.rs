@@ -231,8 +231,9 @@ pub(super) fn bands(
         };
         let (low_v, high_v) = (0..trace.values.len()).map(edges).unzip();
         let own = channels().find(|(number, _): &(u8, _)| trace.name == format!("CH{number}"));
-        let [low, high] =
-            own.map_or([f64::NEG_INFINITY, f64::INFINITY], |(_, c)| c.vertical.range());
+        let [low, high] = own.map_or([f64::NEG_INFINITY, f64::INFINITY], |(_, c)| {
+            scene.scope.model.range(&c.vertical)
+        });
         let is_clipped = |trace: &&&Trace| trace.values.iter().any(|v| *v <= low || *v >= high);
         let clipped = others.iter().filter(is_clipped).count();
         TraceBand {

@@ -30,6 +30,8 @@ table! {
         firmware = text(),
         interface = text(),
         record_length = count(2, MAX_RECORD_LENGTH),
+        /// bits of the converter: a division has 25 * 2^(bits - 8) levels
+        bits = count(8, 16).or("8"),
         channels = count(1, 4),
         bandwidth = positive(Dimension::FREQUENCY),
         limited_bandwidth = positive(Dimension::FREQUENCY),

@@ -190,7 +190,7 @@ impl Key {
     /// Refuses a table without it.
     #[must_use]
     pub const fn required(self) -> Self {
-        Self { is_required: true, ..self }
+        Self { is_required: self.default.is_none(), ..self }
     }
 
     /// Says what is expected, if that is not clear from the kind.

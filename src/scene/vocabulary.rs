@@ -42,7 +42,7 @@ const ANSWERS: &[(&[&str], &str)] = &[
     ),
     (
         &["bits", "resolution", "high_resolution", "vertical_resolution", "enob"],
-        "there is none: scopes digitise to 8 bits, 25 levels to a division",
+        "the converter's bits are those of the oscilloscope: [scope] bits = 12, from 8 to 16",
     ),
     (
         &["creep", "hardening", "work_hardening"],

@@ -4,10 +4,10 @@ use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 use super::front_end::{high_pass, low_pass};
+use super::model::Model;
 use super::setup::{AcquireMode, ChannelSetup, EdgeCoupling, Setup, Slope, TriggerMode};
 use super::waveform::{
-    HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE, PointFormat, Preamble, Source, VerticalSetup,
-    Waveform,
+    PointFormat, Preamble, Source, VerticalSetup, Waveform, levels_per_division,
 };
 
 /// How much larger a crossing must be where small ones are rejected (1).
@@ -81,10 +81,11 @@ fn coupled<'s>(setup: &Setup, signal: &'s [f64]) -> Cow<'s, [f64]> {
 }
 
 /// The converter's level for a voltage (V).
-pub fn level(vertical: &VerticalSetup, volts: f64) -> i16 {
-    let y_mult = vertical.scale / LEVELS_PER_DIVISION;
-    let level = (volts / y_mult + LEVELS_PER_DIVISION * vertical.position).round();
-    level.clamp(f64::from(LOWEST_CODE), f64::from(HIGHEST_CODE)) as i16
+pub fn level(model: &Model, vertical: &VerticalSetup, volts: f64) -> i16 {
+    let y_mult = model.level(vertical.scale);
+    let level = (volts / y_mult + levels_per_division(model.bits) * vertical.position).round();
+    let codes = model.codes();
+    level.clamp(f64::from(*codes.start()), f64::from(*codes.end())) as i16
 }
 
 /// The record of one channel around the trigger sample `trigger` of its conditioned `signal` (V),
@@ -113,16 +114,16 @@ pub fn record(setup: &Setup, source: Source, channel: &ChannelSetup, volts: Vec<
     let vertical = channel.vertical;
     Waveform {
         source,
-        codes: volts.into_iter().map(|volts| level(&vertical, volts)).collect(),
+        codes: volts.into_iter().map(|volts| level(model, &vertical, volts)).collect(),
         as_read: Vec::new(),
         preamble: Preamble {
             x_zero: -trigger_point * interval,
             x_incr: interval,
             pt_off: 0,
             x_unit: "s".to_owned(),
-            y_mult: vertical.scale / LEVELS_PER_DIVISION,
+            y_mult: model.level(vertical.scale),
             y_zero: 0.0,
-            y_off: LEVELS_PER_DIVISION * vertical.position,
+            y_off: levels_per_division(model.bits) * vertical.position,
             y_unit: "V".to_owned(),
             pt_fmt: PointFormat::Sample,
         },
@@ -149,7 +150,8 @@ fn envelope(mut record: Waveform, setup: &Setup, signal: &[f64], trigger: usize)
         if let [first, second] = points
             && low <= high
         {
-            (*first, *second) = (level(&vertical, low), level(&vertical, high));
+            (*first, *second) =
+                [low, high].map(|volts| level(&setup.model, &vertical, volts)).into();
         }
     }
     record
@@ -178,7 +180,7 @@ pub fn volts_at_points(
     signal: &[f64],
     trigger: usize,
 ) -> Vec<f64> {
-    let [low, high] = vertical.range();
+    let [low, high] = setup.model.range(vertical);
     points(setup, signal, trigger).into_iter().map(|volts| volts.clamp(low, high)).collect()
 }
 

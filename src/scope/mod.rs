@@ -1,4 +1,4 @@
-//! The virtual oscilloscope: front end, time base, edge trigger, 8-bit digitiser, record with
+//! The virtual oscilloscope: front end, time base, edge trigger, digitiser, record with
 //! preamble.
 //!
 //! Stands between `sensor`, which delivers volts on a sample grid, and `recording`, which keeps

@@ -1,5 +1,9 @@
 //! Limits of an oscilloscope model: the content of `instruments/<model>.toml`.
 
+use std::ops::RangeInclusive;
+
+use super::waveform::{VerticalSetup, codes, levels_per_division};
+
 /// Limits of an oscilloscope model, all from its data file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model {
@@ -22,6 +26,8 @@ pub struct Model {
     pub full_bandwidth_from: f64,
     /// Highest real-time sample rate (Hz).
     pub sample_rate: f64,
+    /// Bits of the converter.
+    pub bits: u8,
     /// Points in a record.
     pub record_length: usize,
     /// Horizontal divisions on the screen (div).
@@ -168,6 +174,25 @@ pub struct FftLaw {
 pub(crate) const RANGE_END_FACTOR: f64 = 1.0 + 1e-9;
 
 impl Model {
+    /// One digitiser level on `scale` (V/div) (V).
+    pub fn level(&self, scale: f64) -> f64 {
+        scale / levels_per_division(self.bits)
+    }
+
+    /// Lowest to highest level of the converter.
+    pub fn codes(&self) -> RangeInclusive<i16> {
+        codes(self.bits)
+    }
+
+    /// Lowest and highest voltage that the converter shows with these settings (V).
+    pub fn range(&self, vertical: &VerticalSetup) -> [f64; 2] {
+        let codes = self.codes();
+        [*codes.start(), *codes.end()].map(|code| {
+            let divisions = f64::from(code) / levels_per_division(self.bits);
+            vertical.scale * (divisions - vertical.position)
+        })
+    }
+
     /// Time from one point of a record to the next (s).
     pub fn interval(&self, time_base: f64) -> f64 {
         let interval = time_base / (self.record_length as f64 / self.horizontal_divisions);

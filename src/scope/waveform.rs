@@ -2,6 +2,7 @@
 //! meaning. The two never part.
 
 use std::fmt;
+use std::ops::RangeInclusive;
 
 use super::word::{Word, words};
 
@@ -100,14 +101,6 @@ pub struct VerticalSetup {
     pub probe: f64,
 }
 
-impl VerticalSetup {
-    /// Lowest and highest voltage that the converter shows (V).
-    pub fn range(&self) -> [f64; 2] {
-        [LOWEST_CODE, HIGHEST_CODE]
-            .map(|code| self.scale * (f64::from(code) / LEVELS_PER_DIVISION - self.position))
-    }
-}
-
 /// Kind of a record's points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PointFormat {
@@ -152,12 +145,23 @@ pub struct Preamble {
     pub pt_fmt: PointFormat,
 }
 
+impl Preamble {
+    /// Bits of a converter whose level on `scale` (V/div) is `y_mult`, to the relative `tolerance`
+    /// (1); none if no converter's is.
+    pub fn bits(&self, scale: f64, tolerance: f64) -> Option<u8> {
+        BITS.into_iter().find(|bits| {
+            let level = scale / levels_per_division(*bits);
+            (self.y_mult - level).abs() <= tolerance * level.abs()
+        })
+    }
+}
+
 /// One record: levels, their preamble, and the settings under which they were taken.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Waveform {
     /// The channel, math or reference trace.
     pub source: Source,
-    /// Digitiser levels; 25 to a division, -128 to 127 from the 8-bit converter.
+    /// Digitiser levels; from the family's 8-bit converter 25 to a division, -128 to 127.
     pub codes: Vec<i16>,
     /// The values as a file gives them, if the levels do not return them exactly; otherwise empty
     /// (unit).
@@ -172,12 +176,34 @@ pub struct Waveform {
     pub trigger_point: f64,
 }
 
-/// Lowest level of the 8-bit converter; a sample that reads it may have been cut off.
+/// Bits that a converter can have; the family has 8, and levels have at most 16.
+pub const BITS: RangeInclusive<u8> = 8..=16;
+/// Bits of the family's converter.
+pub const FAMILY_BITS: u8 = 8;
+/// Lowest level of the family's converter; a sample that reads it may have been cut off.
 pub const LOWEST_CODE: i16 = -128;
-/// Highest level of the 8-bit converter; a sample that reads it may have been cut off.
+/// Highest level of the family's converter; a sample that reads it may have been cut off.
 pub const HIGHEST_CODE: i16 = 127;
-/// Digitiser levels in one vertical division (1).
+/// Levels of the family's converter in one vertical division, which are also the dots of its screen
+/// (1).
 pub const LEVELS_PER_DIVISION: f64 = 25.0;
+
+/// Levels of a converter of `bits` in one of the family's (1).
+pub fn finer_levels(bits: u8) -> f64 {
+    f64::from(bits.saturating_sub(FAMILY_BITS)).exp2()
+}
+
+/// Levels of a converter of `bits` in one vertical division (1).
+pub fn levels_per_division(bits: u8) -> f64 {
+    LEVELS_PER_DIVISION * finer_levels(bits)
+}
+
+/// Lowest to highest level of a converter of `bits`; a sample that reads one of the two may have
+/// been cut off.
+pub fn codes(bits: u8) -> RangeInclusive<i16> {
+    let unused = BITS.end().saturating_sub(bits);
+    i16::MIN >> unused..=i16::MAX >> unused
+}
 
 impl Waveform {
     /// Abscissa of point `index`: time after the trigger (s), or frequency of an FFT bin (Hz).
@@ -205,31 +231,44 @@ impl Waveform {
         })
     }
 
-    /// Whether a division has 25 levels.
-    fn has_levels(&self) -> bool {
+    /// Bits of the converter that the levels come from: a division has as many levels as a
+    /// converter of these bits gives it, and no level is beyond that converter's. None if there is
+    /// no such converter.
+    pub fn bits(&self) -> Option<u8> {
         const ROUND_OFF: f64 = 1e-6;
-        let level = self.vertical.scale / LEVELS_PER_DIVISION;
-        (self.preamble.y_mult - level).abs() <= ROUND_OFF * level.abs()
+        let bits = self.preamble.bits(self.vertical.scale, ROUND_OFF)?;
+        let range = codes(bits);
+        self.codes.iter().all(|code| range.contains(code)).then_some(bits)
     }
 
-    /// Heights of all points above the screen's centre in levels, 25 a division (1).
+    /// Heights of all points above the screen's centre in dots, 25 a division (1).
     pub fn heights(&self) -> impl Iterator<Item = f64> + '_ {
-        let (has_levels, vertical) = (self.has_levels(), &self.vertical);
-        let is_over_time = self.preamble.x_unit == "s";
-        self.codes.iter().zip(self.values()).map(move |(code, value)| {
-            if has_levels || !is_over_time {
-                return f64::from(*code);
-            }
-            LEVELS_PER_DIVISION * (value / vertical.scale + vertical.position)
+        let (bits, vertical) = (self.bits_on_screen(), &self.vertical);
+        self.codes.iter().zip(self.values()).map(move |(code, value)| match bits {
+            Some(bits) => f64::from(*code) / finer_levels(bits),
+            None => LEVELS_PER_DIVISION * (value / vertical.scale + vertical.position),
         })
     }
 
-    /// Height of zero above the screen's centre in levels, 25 a division (1).
+    /// Height of zero above the screen's centre in dots, 25 a division (1).
     pub fn ground(&self) -> f64 {
-        if self.has_levels() || self.preamble.x_unit != "s" {
-            return self.preamble.y_off;
+        match self.bits_on_screen() {
+            Some(bits) => self.preamble.y_off / finer_levels(bits),
+            None => LEVELS_PER_DIVISION * self.vertical.position,
         }
-        LEVELS_PER_DIVISION * self.vertical.position
+    }
+
+    /// Height of the ordinate `value` (V, or dB for an FFT) above the screen's centre in dots, 25 a
+    /// division (1).
+    pub fn height_of(&self, value: f64) -> f64 {
+        let p = &self.preamble;
+        let level = (value - p.y_zero) / p.y_mult + p.y_off;
+        level / finer_levels(self.bits().unwrap_or(FAMILY_BITS))
+    }
+
+    /// Bits of the converter whose levels the screen shows; none for values of other levels.
+    fn bits_on_screen(&self) -> Option<u8> {
+        self.bits().or((self.preamble.x_unit != "s").then_some(FAMILY_BITS))
     }
 
     /// Size of a digitiser level (V, or dB for an FFT).
@@ -238,21 +277,18 @@ impl Waveform {
         (f64::from(code) - p.y_off) * p.y_mult + p.y_zero
     }
 
-    /// Number of clipped points: at the lowest or highest level of the 8-bit converter if a
-    /// division has 25 levels, otherwise at the ends of 16 bits.
+    /// Number of clipped points: at the lowest or highest level of the converter if the levels are
+    /// a converter's, otherwise at the ends of 16 bits.
     pub fn clipped(&self) -> usize {
         self.clipped_points().count()
     }
 
     /// The places of these points, from the first.
     pub fn clipped_points(&self) -> impl Iterator<Item = usize> + '_ {
-        let has_levels = self.has_levels();
-        let at_an_end = |code: &i16| matches!(*code, LOWEST_CODE | HIGHEST_CODE);
-        let codes = self.codes.iter().enumerate();
         // The ends of 16 bits stand for values beyond the range of any converter.
-        let is_beyond = |code: &i16| matches!(*code, i16::MIN | i16::MAX);
-        codes
-            .filter(move |(_, code)| (has_levels && at_an_end(code)) || is_beyond(code))
-            .map(|(place, _)| place)
+        let range = codes(self.bits().unwrap_or(*BITS.end()));
+        let is_at_an_end = move |code: &i16| code == range.start() || code == range.end();
+        let codes = self.codes.iter().enumerate();
+        codes.filter(move |(_, code)| is_at_an_end(code)).map(|(place, _)| place)
     }
 }

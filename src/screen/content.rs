@@ -172,11 +172,9 @@ pub(super) fn bars(
         }
         CursorFunction::HorizontalBars => match instrument.waveform(cursor.source) {
             Ok(waveform) => {
-                let preamble = &waveform.preamble;
-                let level =
-                    |volts: f64| (volts - preamble.y_zero) / preamble.y_mult + preamble.y_off;
-                let divisions = |volts: &f64| level(*volts) / super::strokes::LEVELS;
-                cursor.horizontal.iter().map(|v| Bar::Horizontal(divisions(v))).collect()
+                let divisions = |value: f64| waveform.height_of(value) / super::strokes::LEVELS;
+                let bar = |value: &f64| Bar::Horizontal(divisions(*value));
+                cursor.horizontal.iter().map(bar).collect()
             }
             Err(_) => Vec::new(),
         },

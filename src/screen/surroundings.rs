@@ -103,9 +103,8 @@ fn trigger(picture: &mut Picture, trigger: &TriggerReadout, traces: &[Waveform])
         text_to(picture, (319, y), &readout(trigger.level, "V"), ink);
     }
     let Some(watched) = traces.iter().find(|trace| Some(trace.source) == source) else { return };
-    let preamble = &watched.preamble;
-    let level = trigger.level / preamble.y_mult + preamble.y_off;
-    let y = (CENTRE - dots(level)).clamp(CORNER.1 + 3, CORNER.1 + SPAN.1 - 3);
+    let y = (CENTRE - dots(watched.height_of(trigger.level)))
+        .clamp(CORNER.1 + 3, CORNER.1 + SPAN.1 - 3);
     for step in 0..4 {
         let x = CORNER.0 + SPAN.0 + 2 + step;
         line(picture, (x, y - step), (x, y + step), ink);

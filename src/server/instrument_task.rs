@@ -24,8 +24,8 @@ use crate::scene::Scene;
 const TICK: Duration = Duration::from_millis(5);
 /// Shortest time from one strike to the next.
 const MIN_STRIKE_INTERVAL: Duration = Duration::from_millis(1);
-/// How often records are made of the same signals when settings change meanwhile, before the
-/// signals are dropped.
+/// How often records are made of the same signals on the bench's thread when settings change
+/// meanwhile; then they are made at once.
 const MAX_ATTEMPTS: u32 = 5;
 /// Instrument, sessions, and the bench.
 pub struct InstrumentTask {
@@ -91,7 +91,8 @@ impl InstrumentTask {
                     self.publish_status();
                     self.bench_state.apply_changes(&mut self.sessions.instrument);
                 }
-                signals = self.bench.signals() => {
+                // A scope that was set during an impact first fills its record before the trigger.
+                signals = self.bench.signals(), if !self.is_arming() => {
                     let signals = signals?;
                     self.advance_time();
                     self.deliver_signals(signals)?;
@@ -156,9 +157,10 @@ impl InstrumentTask {
                 }
                 let records = prepared.take();
                 let accepted = records.and_then(|r| instrument.accept_prepared(&signals, r));
-                let Some(accepted) = accepted else {
+                let accepted = match accepted {
+                    Some(accepted) => accepted,
                     // A setting was changed: the same signals are recorded with the new settings.
-                    if attempts < MAX_ATTEMPTS {
+                    None if attempts < MAX_ATTEMPTS => {
                         let signals = Ok((signals, truth));
                         let again = StrikeSignals {
                             shot,
@@ -170,8 +172,9 @@ impl InstrumentTask {
                             attempts,
                         };
                         self.bench.prepare_again(again, instrument);
+                        return Ok(());
                     }
-                    return Ok(());
+                    None => instrument.accept_signals(&signals),
                 };
                 if matches!(accepted, Accepted::Triggered { .. }) {
                     instrument.bench.triggered_at =
@@ -190,6 +193,11 @@ impl InstrumentTask {
                 Ok(())
             }
         }
+    }
+
+    /// Whether the scope fills the part of its record before the trigger.
+    fn is_arming(&self) -> bool {
+        self.sessions.instrument.state() == State::Armed
     }
 
     fn strike(&mut self) -> bool {

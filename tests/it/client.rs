@@ -17,6 +17,7 @@ use hertzscope::client::{AcquisitionEvent, Address, ClientTiming, ShotAcquisitio
 use hertzscope::experiment::{Integration, facts};
 use hertzscope::recording::mcap::{RecordingWriter, read};
 use hertzscope::recording::{Capture, Shot};
+use hertzscope::scene::Scene;
 use hertzscope::server::ServerOptions;
 use lines::{ByteTime, serial_port, usb_device};
 use rustix::termios::{ControlModes, tcgetattr};
@@ -32,7 +33,10 @@ const TIMING: ClientTiming = ClientTiming {
 
 /// A server that is struck again and again, and writes its own recording into `file`.
 fn struck(file: &Path) -> Server {
-    let scene = scene();
+    struck_scene(scene(), file)
+}
+
+fn struck_scene(scene: Scene, file: &Path) -> Server {
     let accuracy = Integration::Accuracy(scene.accuracy);
     let known = facts::facts(&scene, accuracy).expect("stable");
     let writer = RecordingWriter::create_live(file, &known, &[]).expect("writable");
@@ -127,6 +131,23 @@ fn vxi_11_hislip_and_usb_bring_every_sample() {
         let failed = events.iter().any(|event| matches!(event, AcquisitionEvent::Line(_)));
         assert!(!failed, "{line}: {events:?}");
     }
+}
+
+/// A scope of 12 bits is read in two bytes a point, for as long as it takes; one of 8 bits in one,
+/// once a record has shown that the lower bytes are empty.
+#[test]
+fn twelve_bits_come_over_the_line() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let own = folder.path().join("own.mcap");
+    let mut scene = scene();
+    scene.scope.model.bits = 12;
+    let server = struck_scene(scene, &own);
+    let (taken, _) = shots(&Address::Socket(server.address.to_string()), TIMING, 3);
+    drop(server);
+    assert_recorded(&taken, &own);
+    let captures: Vec<&Capture> = taken.iter().flat_map(|shot| &shot.captures).collect();
+    assert!(captures.iter().all(|capture| capture.waveform.bits() == Some(12)));
+    assert!(captures.iter().all(|capture| capture.notes.is_empty()), "{captures:?}");
 }
 
 /// The trigger's time is known to the last question before it, however long the scope waited.

@@ -1,5 +1,7 @@
 //! The oscilloscope as a whole: what scenes show through its front panel.
 
+mod bits;
+
 use hertzscope::experiment::{Integration, Outcome, run};
 use hertzscope::recording::Capture;
 use hertzscope::scene::{Scene, SceneError};

@@ -300,6 +300,35 @@ fn what_an_impact_costs_is_limited() {
     assert!((1_200..=1_230).contains(&samples(1e-6, 1e-3, 0.0)));
 }
 
+/// At 50 ms/div with the trigger in the screen's centre, 250 ms pass before the scope is ready
+/// after a setting; an impact whose signals arrive meanwhile waits for it.
+#[test]
+fn an_impact_during_a_change_of_scale_is_recorded() {
+    let server = Server::at_rest();
+    let mut client = server.connect();
+    client.send(b":HOR:SCA 50E-3;POS 0;:TRIG:MAI:MOD NORM;:ACQ:STOPA SEQ;STATE RUN\n");
+    while client.ask("TRIG:STATE?") != "READY\n" {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    client.send(b":BENC:IMP;:CH2:SCA 2\n");
+    assert_eq!(client.ask("*OPC?;:ACQ:NUMAC?;:CH2:SCA?"), "1;1;2.0E0\n");
+}
+
+/// A bench without a striker is driven: an impact is its signal.
+#[test]
+fn a_driven_bench_says_that_its_signal_plays() {
+    let told = |arguments: &[&str]| {
+        let mut server = Process::start(arguments);
+        let mut lines = server.told.by_ref().map_while(Result::ok);
+        lines.nth(1).expect("a line after the resource string")
+    };
+    assert_eq!(
+        told(&["driven-dimer"]),
+        "to drive    send BENCh:IMPact: the drive's signal plays once, from rest"
+    );
+    assert_eq!(told(&["gravity-0.61g"]), "to strike   send BENCh:IMPact");
+}
+
 /// Two lines on standard input are two impacts; its end is not the server's.
 #[test]
 fn enter_strikes_the_chain() {

@@ -6,13 +6,11 @@ use crate::quantity::{Dimension, Quantity, engineering};
 use crate::recording::Capture;
 use crate::recording::error::{RecordingError, byte};
 use crate::recording::finite::check_numbers;
-use crate::scope::waveform::LEVELS_PER_DIVISION;
+use crate::scope::waveform::{BITS, FAMILY_BITS, LEVELS_PER_DIVISION, levels_per_division};
 use crate::scope::{Coupling, PointFormat, Preamble, Source, VerticalSetup, Waveform};
 
 /// Larger files are refused unread; a million points of two bytes take 2 MB.
 pub const MAXIMUM_BYTES: usize = 64 << 20;
-/// Levels of two bytes for one of one byte.
-const LOWER_BYTE: i16 = 256;
 /// Points in one horizontal division of the family.
 const POINTS_PER_DIVISION: f64 = 250.0;
 /// How far two statements of the same may differ, relative; files print 5 digits.
@@ -46,7 +44,9 @@ pub fn read(bytes: &[u8], file_name: &str) -> Result<Capture, RecordingError> {
     let pt_off = words.number(preamble::PT_OFF)?.unwrap_or_default();
     let x_unit = words.text(preamble::X_UNIT)?;
     let y_unit = words.text(preamble::Y_UNIT)?;
-    let scaled = eight_bits(levels, y_mult, y_off);
+    let name = Name::read(&words.text(preamble::NAME)?.unwrap_or_default());
+    let scale = words.number(preamble::V_SCALE)?.or(name.scale).filter(|scale| *scale > 0.0);
+    let scaled = converter_levels(levels, y_mult, y_off, scale);
     let preamble = Preamble {
         x_zero: x_zero - pt_off * x_incr,
         x_incr,
@@ -63,7 +63,7 @@ pub fn read(bytes: &[u8], file_name: &str) -> Result<Capture, RecordingError> {
             )?
             .unwrap_or(PointFormat::Sample),
     };
-    settings(&words, scaled.codes, preamble, notes)
+    settings(&words, (name, scale), scaled.codes, preamble, notes)
 }
 
 struct Scaled {
@@ -72,15 +72,23 @@ struct Scaled {
     y_off: f64,
 }
 
-/// Two-byte levels of an 8-bit converter as that converter's own.
-fn eight_bits(levels: Levels, y_mult: f64, y_off: f64) -> Scaled {
+/// Two-byte levels as those of their converter, whose highest bit is theirs: bits that are 0 in all
+/// of them it does not have. Between 8 and 16 bits, only the stated `scale` (V/div) shows that
+/// levels fill two bytes.
+fn converter_levels(levels: Levels, y_mult: f64, y_off: f64, scale: Option<f64>) -> Scaled {
     let y_off = y_off - f64::from(levels.centre);
     let codes = levels.codes;
-    if !levels.two_bytes || codes.iter().any(|code| code % LOWER_BYTE != 0) {
+    let most = u32::from(BITS.end() - FAMILY_BITS);
+    let unused = codes.iter().fold(most, |unused, code| unused.min(code.trailing_zeros()));
+    let fills = |scale: f64| {
+        let level = scale / levels_per_division(*BITS.end());
+        (y_mult - level).abs() <= PRINTING_TOLERANCE * level
+    };
+    if !levels.two_bytes || unused < most && !scale.is_some_and(fills) {
         return Scaled { codes, y_mult, y_off };
     }
-    let factor = f64::from(LOWER_BYTE);
-    let codes = codes.iter().map(|code| code / LOWER_BYTE).collect();
+    let factor = f64::from(unused).exp2();
+    let codes = codes.iter().map(|code| code >> unused).collect();
     Scaled { codes, y_mult: y_mult * factor, y_off: y_off / factor }
 }
 
@@ -144,11 +152,11 @@ impl Name {
 /// The capture, with the settings that levels and preamble were taken under.
 fn settings(
     words: &PreambleText<'_>,
+    (name, stated): (Name, Option<f64>),
     codes: Vec<i16>,
     preamble: Preamble,
     mut notes: Vec<String>,
 ) -> Result<Capture, RecordingError> {
-    let name = Name::read(&words.text(preamble::NAME)?.unwrap_or_default());
     let mut assume = |what: &str, taken: &str| {
         notes.push(format!("{what} taken as {taken}: not given in the file"));
     };
@@ -157,8 +165,7 @@ fn settings(
         Source::Channel(1)
     });
     assume("probe attenuation", "1");
-    let stated = words.number(preamble::V_SCALE)?.or(name.scale);
-    let scale = stated.filter(|scale| *scale > 0.0).unwrap_or_else(|| {
+    let scale = stated.unwrap_or_else(|| {
         let scale = preamble.y_mult * LEVELS_PER_DIVISION;
         assume("vertical scale", &engineering(scale, &format!("{}/div", preamble.y_unit), 3));
         scale
@@ -168,22 +175,22 @@ fn settings(
         assume("time base", &engineering(scale, &format!("{}/div", preamble.x_unit), 3));
         scale
     });
-    let level = scale / LEVELS_PER_DIVISION;
-    let of_the_family = (preamble.y_mult - level).abs() <= PRINTING_TOLERANCE * level;
-    if codes.iter().all(|code| i8::try_from(*code).is_ok()) && !of_the_family {
+    let bits = preamble.bits(scale, PRINTING_TOLERANCE);
+    if codes.iter().all(|code| i8::try_from(*code).is_ok()) && bits.is_none() {
         notes.push(format!(
             "a level is {} {}, not 1/25 of a division",
             preamble.y_mult, preamble.y_unit
         ));
     }
-    let position = match words.number(preamble::V_POSITION)? {
-        Some(position) if !of_the_family => position,
-        _ => preamble.y_off * (preamble.y_mult / scale),
+    let position = match (bits, words.number(preamble::V_POSITION)?) {
+        (Some(bits), _) => preamble.y_off / levels_per_division(bits),
+        (None, Some(position)) => position,
+        (None, None) => preamble.y_off * (preamble.y_mult / scale),
     };
     let trigger_point = whole_if_near(0.0 - preamble.x_zero / preamble.x_incr);
     let vertical = VerticalSetup {
         scale,
-        position: if of_the_family { preamble.y_off / LEVELS_PER_DIVISION } else { position },
+        position,
         coupling: name.coupling,
         bandwidth_limited: None,
         inverted: None,

@@ -5,13 +5,14 @@ use crate::recording::Capture;
 use crate::recording::error::RecordingError;
 use crate::scope::Waveform;
 use crate::scope::set_up::{nr3, waveform_id};
+use crate::scope::waveform::{BITS, FAMILY_BITS};
 
 /// Bytes for each level: `DATa:WIDth`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Width {
     /// One.
     One,
-    /// Two; an 8-bit level is the upper one.
+    /// Two; the highest bit of a level is that of the upper one.
     Two,
 }
 
@@ -22,7 +23,7 @@ const LARGEST_BLOCK: usize = 999_999_999;
 /// (unit).
 const MAX_SCALABLE_NUMBER: f64 = 1e300;
 
-/// Writes `capture`; levels that do not fit one byte take two whatever `width` says.
+/// Writes `capture`; levels of more than 8 bits take two bytes whatever `width` says.
 ///
 /// # Errors
 /// [`RecordingError`] for a number too large or too small to be scaled, a quote in a unit, or
@@ -32,14 +33,17 @@ pub fn write(capture: &Capture, width: Width) -> Result<Vec<u8>, RecordingError>
     check(waveform)?;
     let narrow: Option<Vec<i8>> =
         waveform.codes.iter().map(|code| i8::try_from(*code).ok()).collect();
+    let wide = if narrow.is_some() { FAMILY_BITS } else { *BITS.end() };
+    let bits = waveform.bits().unwrap_or(wide);
     let (bytes, factor, block): (u8, f64, Vec<u8>) = match (narrow, width) {
-        (Some(codes), Width::One) => {
+        (Some(codes), Width::One) if bits == FAMILY_BITS => {
             (1, 1.0, codes.into_iter().flat_map(i8::to_be_bytes).collect())
         }
-        (Some(codes), Width::Two) => {
-            (2, 256.0, codes.into_iter().flat_map(|code| [code.cast_unsigned(), 0]).collect())
+        _ => {
+            let unused = BITS.end() - bits;
+            let bytes = waveform.codes.iter().flat_map(|code| (code << unused).to_be_bytes());
+            (2, f64::from(unused).exp2(), bytes.collect())
         }
-        (None, _) => (2, 1.0, waveform.codes.iter().copied().flat_map(i16::to_be_bytes).collect()),
     };
     let length = block.len().to_string();
     let mut file = preamble(waveform, bytes, factor).into_bytes();

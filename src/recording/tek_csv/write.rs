@@ -9,7 +9,7 @@ use crate::quantity::c_exponential;
 use crate::recording::error::{RecordingError, excerpt};
 use crate::recording::{Capture, InstrumentIdentity};
 use crate::scope::Waveform;
-use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
+use crate::scope::waveform::{FAMILY_BITS, HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
 
 /// Bytes to set aside for a row; the longest of the family's own has 70.
 const ROW_BYTES: usize = 72;
@@ -138,6 +138,12 @@ fn checked(waveform: &Waveform) -> Result<(Domain, Numbers), RecordingError> {
     };
     if let Some(violation) = numbers.violation(domain) {
         return Err(RecordingError::unwritable(violation.key, violation.found, violation.expected));
+    }
+    if let Some(bits) = waveform.bits().filter(|bits| *bits != FAMILY_BITS) {
+        let expected =
+            "8 bits: the format has 25 levels to a division; .mcap, .isf and tables hold more";
+        let found = format!("{bits} bits");
+        return Err(RecordingError::unwritable("the converter's resolution", found, expected));
     }
     check_codes(waveform, domain)?;
     check_agreement(waveform, &numbers)?;

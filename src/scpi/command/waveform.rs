@@ -1,8 +1,10 @@
 //! Waveforms: how they travel (`DATa`), their preambles (`WFMPre`), their points (`CURVe`).
 //!
 //! Queries of the preamble are about the waveform that `DATa:SOUrce` names, commands about the one
-//! that `CURVe` will bring. With two bytes a point the level of the converter is the high byte, so
-//! a step is 1/256 of a level; positive numbers begin at the lowest level. Text is always signed.
+//! that `CURVe` will bring. The highest bit of a level is that of the point: with two bytes a point
+//! the level of an 8-bit converter is the high byte, so a step is 1/256 of a level; with one byte a
+//! converter of more bits sends its upper 8. Positive numbers begin at the lowest level. Text is
+//! always signed.
 //! Sources: user manuals of the TDS1012 (p. 182, 187) and TDS2022 (p. 190), real replies.
 
 use crate::instrument::Event;
@@ -10,7 +12,7 @@ use crate::instrument::transfer::{
     ByteOrder, CurveFormat, Encoding, NumberFormat, Points, Transfer,
 };
 use crate::scope::set_up::waveform_id;
-use crate::scope::waveform::{HIGHEST_CODE, LEVELS_PER_DIVISION, LOWEST_CODE};
+use crate::scope::waveform::{FAMILY_BITS, levels_per_division};
 use crate::scope::word::{Word as _, words};
 use crate::scope::{AcquireMode, Coupling, PointFormat, Preamble, Source, VerticalSetup, Waveform};
 use crate::scpi::message::Argument;
@@ -133,9 +135,9 @@ pub const PREAMBLE: Group = Group {
         acts("WFMPre:<wfm>:PT_Off", Both(|c, a| change_reference(c, &|_, _| { real(a)?; Ok(()) }), |c| field(c, c.suffix.source, pt_off)), ABOVE),
         acts("WFMPre:<wfm>:XZEro", Both(|c, a| change_reference(c, &|w, _| { w.preamble.x_zero = real(a)?; Ok(()) }), |c| field(c, c.suffix.source, x_zero)), ABOVE),
         acts("WFMPre:<wfm>:XUNit", Both(|c, a| change_reference(c, &|w, _| { text(a)?.clone_into(&mut w.preamble.x_unit); Ok(()) }), |c| field(c, c.suffix.source, x_unit)), ABOVE),
-        acts("WFMPre:<wfm>:YMUlt", Both(|c, a| change_reference(c, &|w, t| { w.preamble.y_mult = real(a)? * t.steps(); Ok(()) }), |c| field(c, c.suffix.source, y_mult)), ABOVE),
+        acts("WFMPre:<wfm>:YMUlt", Both(|c, a| change_reference(c, &|w, t| { w.preamble.y_mult = real(a)? * t.steps(bits(w)); Ok(()) }), |c| field(c, c.suffix.source, y_mult)), ABOVE),
         acts("WFMPre:<wfm>:YZEro", Both(|c, a| change_reference(c, &|w, _| { w.preamble.y_zero = real(a)?; Ok(()) }), |c| field(c, c.suffix.source, y_zero)), ABOVE),
-        acts("WFMPre:<wfm>:YOFf", Both(|c, a| change_reference(c, &|w, t| { w.preamble.y_off = real(a)? / t.steps() - t.shift(); Ok(()) }), |c| field(c, c.suffix.source, y_off)), ABOVE),
+        acts("WFMPre:<wfm>:YOFf", Both(|c, a| change_reference(c, &|w, t| { w.preamble.y_off = (real(a)? - t.offset()) / t.steps(bits(w)); Ok(()) }), |c| field(c, c.suffix.source, y_off)), ABOVE),
         acts("WFMPre:<wfm>:YUNit", Both(|c, a| change_reference(c, &|w, _| { si_unit(text(a)?).clone_into(&mut w.preamble.y_unit); Ok(()) }), |c| field(c, c.suffix.source, y_unit)), ABOVE),
     ],
 };
@@ -165,12 +167,13 @@ fn change_reference(
         return Err(Event::NotAReference.into());
     };
     let mut changed = context.instrument.reference(letter).ok_or(Event::NotActive)?.clone();
+    let levels = levels_per_division(bits(&changed));
     change(&mut changed, &context.instrument.transfer)?;
     let interval = changed.preamble.x_incr;
     changed.horizontal_scale = interval / context.instrument.model.interval(1.0);
     changed.trigger_point = if interval > 0.0 { -changed.preamble.x_zero / interval } else { 0.0 };
-    changed.vertical.scale = changed.preamble.y_mult * LEVELS_PER_DIVISION;
-    changed.vertical.position = changed.preamble.y_off / LEVELS_PER_DIVISION;
+    changed.vertical.scale = changed.preamble.y_mult * levels;
+    changed.vertical.position = changed.preamble.y_off / levels;
     Ok(context.instrument.put_reference(changed, letter)?)
 }
 
@@ -192,6 +195,11 @@ fn si_unit(unit: &str) -> &str {
 fn set_bits(context: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Deferred> {
     context.instrument.transfer.width = if whole(arguments, 8, 16)? > 8 { 2 } else { 1 };
     Ok(())
+}
+
+/// Bits of the converter that a waveform's levels are of.
+fn bits(waveform: &Waveform) -> u8 {
+    waveform.bits().unwrap_or(FAMILY_BITS)
 }
 
 fn nr_pt(waveform: &Waveform, transfer: &Transfer) -> ReplyValue {
@@ -222,7 +230,7 @@ fn x_unit(waveform: &Waveform, _: &Transfer) -> ReplyValue {
 }
 
 fn y_mult(waveform: &Waveform, transfer: &Transfer) -> ReplyValue {
-    ReplyValue::Number(waveform.preamble.y_mult / transfer.steps())
+    ReplyValue::Number(waveform.preamble.y_mult / transfer.steps(bits(waveform)))
 }
 
 fn y_zero(waveform: &Waveform, _: &Transfer) -> ReplyValue {
@@ -231,7 +239,7 @@ fn y_zero(waveform: &Waveform, _: &Transfer) -> ReplyValue {
 
 fn y_off(waveform: &Waveform, transfer: &Transfer) -> ReplyValue {
     let Preamble { y_off, .. } = waveform.preamble;
-    ReplyValue::Number((y_off + transfer.shift()) * transfer.steps())
+    ReplyValue::Number(y_off * transfer.steps(bits(waveform)) + transfer.offset())
 }
 
 fn y_unit(waveform: &Waveform, _: &Transfer) -> ReplyValue {
@@ -266,14 +274,16 @@ fn send(context: &mut Context<'_>) -> Result<ReplyValue, Deferred> {
     let waveform = context.instrument.waveform(transfer.source)?;
     let range = transfer.range(waveform.codes.len());
     let codes = waveform.codes.get(range).unwrap_or_default();
+    let steps = transfer.steps(bits(&waveform));
+    // A point's lowest 16 bits; a level of more bits than the point loses its lowest ones.
+    let point = |code: &i16| ((f64::from(*code) * steps).floor() + transfer.offset()) as i32 as i16;
     if transfer.format == CurveFormat::Ascii {
-        let point = |code: &i16| level_to_point(*code, &transfer).to_string();
-        let points: Vec<String> = codes.iter().map(point).collect();
+        let points: Vec<String> = codes.iter().map(|code| point(code).to_string()).collect();
         return Ok(ReplyValue::Plain(points.join(",")));
     }
     let mut bytes = Vec::with_capacity(2 * codes.len());
     for code in codes {
-        let [high, low] = level_to_point(*code, &transfer).to_be_bytes();
+        let [high, low] = point(code).to_be_bytes();
         match (transfer.width, transfer.byte_order) {
             (2, ByteOrder::HighFirst) => bytes.extend([high, low]),
             (2, ByteOrder::LowFirst) => bytes.extend([low, high]),
@@ -283,30 +293,26 @@ fn send(context: &mut Context<'_>) -> Result<ReplyValue, Deferred> {
     Ok(ReplyValue::block(&bytes))
 }
 
-/// A level as the number that is sent, its lowest 16 bits.
-fn level_to_point(code: i16, transfer: &Transfer) -> i16 {
-    let number = (f64::from(code) + transfer.shift()) * transfer.steps();
-    (number as i32) as i16
-}
-
 fn receive(context: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Deferred> {
     let transfer = context.instrument.transfer;
     let incoming = context.instrument.incoming;
     let Source::Reference(letter) = transfer.destination else {
         return Err(Event::NotAReference.into());
     };
-    let (mut codes, shift) = match arguments {
+    let (mut codes, offset) = match arguments {
         [] => return Err(Event::MissingParameter.into()),
-        [Argument::Block(bytes)] => (points_of_block(bytes, &transfer), transfer.binary_shift()),
-        words => (points_of_words(words)?, transfer.shift()),
+        [Argument::Block(bytes)] => (points_of_block(bytes, &transfer), transfer.binary_offset()),
+        words => (points_of_words(words)?, transfer.offset()),
     };
-    let scaled = |point: i32| {
-        let level = f64::from(point) / transfer.steps() - shift;
-        level.round().clamp(f64::from(LOWEST_CODE), f64::from(HIGHEST_CODE)) as i16
-    };
+    let model = &context.instrument.model;
+    let (steps, levels) = (transfer.steps(model.bits), levels_per_division(model.bits));
+    let range = model.codes();
+    let code =
+        |level: f64| level.round().clamp(f64::from(*range.start()), f64::from(*range.end())) as i16;
+    let scaled = |point: i32| code((f64::from(point) - offset) / steps);
     codes.truncate(context.instrument.model.record_length.min(incoming.nr_pt));
-    let y_mult = incoming.y_mult * transfer.steps();
-    let y_off = incoming.y_off / transfer.steps() - shift;
+    let y_mult = incoming.y_mult * steps;
+    let y_off = (incoming.y_off - offset) / steps;
     let points = context.instrument.model.interval(1.0);
     let codes = codes.into_iter().map(scaled);
     // The first point goes to `DATa:STARt`; what stands elsewhere in the memory stays, and where
@@ -316,8 +322,7 @@ fn receive(context: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Defe
         Some(before) if first > 0 => before.codes.clone(),
         _ => Vec::new(),
     };
-    let zero = y_off.round().clamp(f64::from(LOWEST_CODE), f64::from(HIGHEST_CODE)) as i16;
-    all.resize(all.len().max(first), zero);
+    all.resize(all.len().max(first), code(y_off));
     for (place, code) in (first..).zip(codes) {
         match all.get_mut(place) {
             Some(point) => *point = code,
@@ -341,8 +346,8 @@ fn receive(context: &mut Context<'_>, arguments: &[Argument]) -> Result<(), Defe
             pt_fmt: incoming.pt_fmt.into(),
         },
         vertical: VerticalSetup {
-            scale: y_mult * LEVELS_PER_DIVISION,
-            position: y_off / LEVELS_PER_DIVISION,
+            scale: y_mult * levels,
+            position: y_off / levels,
             coupling: None,
             bandwidth_limited: None,
             inverted: None,

@@ -5,9 +5,9 @@ use super::{BaselineRun, EffectFinding, EffectState, LedgerEntry};
 use crate::experiment::acquisition::signals;
 use crate::quantity::engineering;
 use crate::scene::{Scene, Site};
-use crate::scope::Deviation;
 use crate::scope::front_end::{NEGLIGIBLE_DELAY, bandwidth_ratio, low_pass};
-use crate::scope::waveform::LEVELS_PER_DIVISION;
+use crate::scope::waveform::levels_per_division;
+use crate::scope::{ChannelSetup, Deviation};
 use crate::sensor::{SensorMeasurement, SensorTolerance};
 
 /// Time constant of an open circuit: beyond any record (s).
@@ -66,7 +66,7 @@ fn levels_in_peak(subject: &BaselineRun<'_>) -> Option<f64> {
     let found = signals(subject.scene, &subject.bench, 1);
     let channels = subject.scene.scope.channels.iter().zip(found);
     let levels = channels.filter_map(|(channel, signal)| {
-        let level = channel.as_ref()?.vertical.scale / LEVELS_PER_DIVISION;
+        let level = subject.scene.scope.model.level(channel.as_ref()?.vertical.scale);
         Some(signal?.into_iter().fold(f64::MIN, f64::max) / level)
     });
     levels.filter(|levels| *levels > 0.0).reduce(f64::min)
@@ -194,9 +194,8 @@ pub fn bandwidth(subject: &BaselineRun<'_>) -> LedgerEntry {
 /// Volts that the scene adds to a channel.
 pub fn scope_offset(subject: &BaselineRun<'_>) -> LedgerEntry {
     let channels = subject.scene.scope.channels.iter().flatten();
-    let value = largest(
-        channels.map(|channel| channel.offset / (channel.vertical.scale / LEVELS_PER_DIVISION)),
-    );
+    let level = |channel: &ChannelSetup| subject.scene.scope.model.level(channel.vertical.scale);
+    let value = largest(channels.map(|channel| channel.offset / level(channel)));
     let is_on = value.is_some_and(|value| value != 0.0);
     let finding = if is_on {
         let mut other = subject.scene.clone();
@@ -245,7 +244,7 @@ fn draw_deviations(scene: &mut Scene) {
 /// Noise of the front end.
 pub fn scope_noise(subject: &BaselineRun<'_>) -> LedgerEntry {
     let noise = subject.scene.scope.noise;
-    let value = Some(noise * LEVELS_PER_DIVISION);
+    let value = Some(noise * levels_per_division(subject.scene.scope.model.bits));
     let finding = if noise > 0.0 {
         let mut other = subject.scene.clone();
         other.scope.noise = 0.0;
@@ -260,14 +259,15 @@ pub fn scope_noise(subject: &BaselineRun<'_>) -> LedgerEntry {
 /// The converter's levels.
 pub fn quantisation(subject: &BaselineRun<'_>) -> LedgerEntry {
     let off = signals(subject.scene, &subject.bench, 1);
-    let rounded = |(signal, channel): (&Option<Vec<f64>>, &Option<crate::scope::ChannelSetup>)| {
-        let level = channel.as_ref()?.vertical.scale / LEVELS_PER_DIVISION;
+    let rounded = |(signal, channel): (&Option<Vec<f64>>, &Option<ChannelSetup>)| {
+        let level = subject.scene.scope.model.level(channel.as_ref()?.vertical.scale);
         Some(signal.as_ref()?.iter().map(|volts| (volts / level).round() * level).collect())
     };
     let on: ChannelVolts = off.iter().zip(&subject.scene.scope.channels).map(rounded).collect();
     let change = of_signals(subject, &on, &off);
     let value = levels_in_peak(subject).map(f64::recip);
-    let reason = "always on: a record is made of levels, 25 a division".to_owned();
+    let levels = levels_per_division(subject.scene.scope.model.bits);
+    let reason = format!("always on: a record is made of levels, {levels} a division");
     EffectFinding { state: EffectState::On, value, reason, trial: Some((None, change)) }
         .entry("quantisation", "digitiser level / smallest channel's peak")
 }

@@ -13,7 +13,6 @@ use crate::experiment::run::Run;
 use crate::experiment::{Integration, RunError, film_grid, method, sample_grid, scene_bench};
 use crate::numeric::statistics::{median, quantile};
 use crate::scene::{Scene, input_load};
-use crate::scope::waveform::LEVELS_PER_DIVISION;
 
 /// Fewest pairs of runs that are timed.
 const MIN_PAIRS: usize = 5;
@@ -102,7 +101,7 @@ fn newtons_a_level(scene: &Scene, index: usize) -> Option<f64> {
     let mut channels = scene.scope.channels.iter().flatten();
     let channel = channels.find(|channel| channel.input.as_ref() == Some(name))?;
     let circuit = scene.sensors.get(index)?.sensor.connect(input_load(&scene.scope.model, channel));
-    Some(channel.vertical.scale / LEVELS_PER_DIVISION / circuit.sensitivity)
+    Some(scene.scope.model.level(channel.vertical.scale) / circuit.sensitivity)
 }
 
 /// Speeds between neighbouring sensors by half-rise (m/s).
@@ -182,7 +181,7 @@ pub fn of_signals(subject: &BaselineRun<'_>, on: &ChannelVolts, off: &ChannelVol
     let places = windows(subject);
     let channels = scene.scope.channels.iter().zip(places).zip(on.iter().zip(off));
     let seen = channels.filter_map(|((channel, window), (on, off))| {
-        let level = channel.as_ref()?.vertical.scale / LEVELS_PER_DIVISION;
+        let level = scene.scope.model.level(channel.as_ref()?.vertical.scale);
         let (on, off) =
             (pulse_reading(on.as_ref()?, window?)?, pulse_reading(off.as_ref()?, window?)?);
         Some((on, off, level))

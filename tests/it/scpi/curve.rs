@@ -1,6 +1,10 @@
 //! Points on their way out and in.
 
-use super::bench::Bench;
+use hertzscope::instrument::Instrument;
+use hertzscope::scope::Model;
+use hertzscope::scpi::Reply;
+
+use super::bench::{Bench, model};
 
 /// Two divisions up from the trigger on, at half a volt a division and one division above the
 /// centre: level 25 and, after the trigger at point 1250, level 75.
@@ -46,6 +50,45 @@ fn every_encoding() {
         bench.tell(&format!("DATA:ENC {encoding};WID {width}"));
         assert_eq!(bench.bytes("CURVE?"), expected, "{encoding} {width}");
     }
+}
+
+/// The same step in 12 bits, at 0.6 V: 400 levels a division and one division up, so level 400
+/// before the trigger and 400 + 480 = 880 after it. One byte is the upper 8 of the 12 bits: 25 and
+/// 55. In two bytes the levels are shifted by four bits to the left: 6400 and 14080.
+#[test]
+fn twelve_bits_fill_two_bytes_from_the_left() {
+    let mut bench = Bench::new();
+    let model = Model { bits: 12, ..model() };
+    bench.instrument = Instrument::new(model, 0.0, 1);
+    bench.instrument.status.clear();
+    bench.record("CH1:PROBE 1;SCALE 0.5;POS 1;:HOR:SCA 1E-3;:TRIG:MAI:LEV 0.5", |time| {
+        if time >= 0.0 { 0.6 } else { 0.0 }
+    });
+    bench.tell("DATA:START 1250;STOP 1251");
+    for (encoding, width, expected, preamble) in [
+        ("RIB", 1, &b"#12\x19\x37\n"[..], "8;2.0E-2;2.5E1"),
+        ("RPB", 1, b"#12\x99\xb7\n", "8;2.0E-2;1.53E2"),
+        ("RIB", 2, b"#14\x19\x00\x37\x00\n", "16;7.8125E-5;6.4E3"),
+        ("SRP", 2, b"#14\x00\x99\x00\xb7\n", "16;7.8125E-5;3.9168E4"),
+        ("ASCI", 2, b"6400,14080\n", "16;7.8125E-5;6.4E3"),
+    ] {
+        bench.tell(&format!("DATA:ENC {encoding};WID {width}"));
+        assert_eq!(bench.bytes("CURVE?"), expected, "{encoding} {width}");
+        assert_eq!(bench.ask("WFMP:BIT_N?;YMU?;YOF?"), preamble, "{encoding} {width}");
+    }
+    // 0.6013 V are 481.04 levels; the four lowest bits are 881 = 0x371: one byte leaves them out.
+    bench.record("", |time| if time >= 0.0 { 0.6013 } else { 0.0 });
+    bench.tell("DATA:ENC RIB;WID 2");
+    assert_eq!(bench.bytes("CURVE?"), b"#14\x19\x00\x37\x10\n");
+    bench.tell("DATA:WID 1");
+    assert_eq!(bench.bytes("CURVE?"), b"#12\x19\x37\n");
+    // What comes in in two bytes goes out as it came.
+    bench.tell("DATA INIT;:DATA:WID 2;DEST REFB;:WFMP:NR_P 2;:WFMP:YMU 7.8125E-5;YOF 6400");
+    let sent = b":CURVE #14\x12\x30\xff\xf0\n";
+    assert_eq!(bench.session.receive(&mut bench.instrument, sent), Reply::None);
+    bench.tell("SEL:REFB ON;:DATA:SOU REFB");
+    assert_eq!(bench.bytes("CURVE?"), b"#14\x12\x30\xff\xf0\n");
+    assert_eq!(bench.ask("WFMP:YMU?;YOF?"), "7.8125E-5;6.4E3");
 }
 
 #[test]
