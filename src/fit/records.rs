@@ -20,7 +20,6 @@
 use std::ops::Range;
 
 use super::forward::TimeAxis;
-use super::report::most_variance;
 use super::{FitError, FitOptions};
 use crate::analysis::baseline::{Baseline, noise_of};
 use crate::analysis::disturbance::{Disturbance, FOUND};
@@ -34,6 +33,10 @@ use crate::recording::Capture;
 use crate::scene::{Scene, gain_u};
 use crate::scope::VerticalSetup;
 
+/// A larger residual variance than this is no chance (1).
+const MAX_RESIDUAL_VARIANCE: f64 = 1.3;
+/// Standard deviations of a noise that few samples tell (1).
+pub const NOISE_DEVIATIONS: f64 = 4.0;
 /// Paths that the note on inputs taken as exact names.
 const MAX_SHOWN_INPUTS: usize = 4;
 /// Intervals and starts that differ by less than this, in samples, are the same (1).
@@ -304,6 +307,12 @@ impl Records {
         };
         self.list.iter().map(of).sum()
     }
+}
+
+/// The largest residual variance that so many samples before the pulse leave to chance (1).
+pub fn most_variance(quiet: usize) -> f64 {
+    let by_chance = 1.0 + NOISE_DEVIATIONS * (2.0 / quiet.max(2) as f64).sqrt();
+    MAX_RESIDUAL_VARIANCE.max(by_chance)
 }
 
 /// How well the gain of a channel is known: as `options` say, or by the scope's data sheet and the

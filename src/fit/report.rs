@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use super::records::{ChannelRecord, Records};
+use super::records::{ChannelRecord, NOISE_DEVIATIONS, Records, most_variance};
 use super::{FitOptions, Profile};
 use crate::analysis::disturbance::DisturbanceKind;
 use crate::analysis::least_squares::{Minimum, squares};
@@ -14,10 +14,6 @@ use crate::numeric::intervals::NORMAL_95;
 use crate::scene::adjust::{Adjustable, AdjustableNumber};
 use crate::scene::random_inputs::{RandomInput, RandomInputs};
 
-/// A larger residual variance than this is no chance (1).
-const MAX_RESIDUAL_VARIANCE: f64 = 1.3;
-/// Standard deviations of a noise that few samples tell (1).
-const NOISE_DEVIATIONS: f64 = 4.0;
 /// Residuals of a model that is right do not follow one another by more than this (1).
 const MAX_AUTOCORRELATION: f64 = 0.1;
 /// A common rounding error of more than this, in squares of a level, makes neighbouring residuals
@@ -302,12 +298,6 @@ fn far_off(inputs: &RandomInputs, scores: &[f64]) -> Vec<String> {
         )
     };
     far.map(note).collect()
-}
-
-/// The largest residual variance that so many samples before the pulse leave to chance (1).
-pub fn most_variance(quiet: usize) -> f64 {
-    let by_chance = 1.0 + NOISE_DEVIATIONS * (2.0 / quiet.max(2) as f64).sqrt();
-    MAX_RESIDUAL_VARIANCE.max(by_chance)
 }
 
 /// What says that more than noise is left, if anything does.
