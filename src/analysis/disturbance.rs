@@ -550,7 +550,7 @@ impl Disturbance {
         let Ok(log) = golden_section(PINK_OVER_WHITE.map(f64::ln), PINK_STEP, &mut cost);
         let (_, white) = of(log);
         let pink = log.exp() * white;
-        let known = Self::with_pink(&[self.known.clone()], Some(log.exp()))?.pop()?;
+        let known = Self::with_pink(std::slice::from_ref(&self.known), Some(log.exp()))?.pop()?;
         let Self { mean, modes, .. } = known;
         let again = Self { white, pink, mean, modes, ..self.clone() };
         Some(again.with_constant(self.constant))

@@ -89,16 +89,10 @@ pub fn fit(
     } else {
         RandomInputs::of(&mut scene)?.beside(&freed_paths, &whole)
     };
-    let again: Option<Records>;
     let mut model = TraceModel::new(&scene, knobs, &records, freed, &mut report);
     let (minimum, starts) = search::best(&mut model, options)?;
     let mut minimum = with_inputs(&mut model, minimum, inputs)?;
-    again = if records.have_pink_noise() {
-        let shown = model.shown(&minimum.x).ok_or(LeastSquaresError::NoStart)?;
-        records.weighed_again(&shown)
-    } else {
-        None
-    };
+    let again = with_noise(&mut model, &minimum)?;
     if let Some(again) = &again {
         model.records = again;
         let is_held = model.inputs.count() == 0;
@@ -112,19 +106,7 @@ pub fn fit(
     let why = if options.gains { FREE_GAINS } else { "" };
     let covariance = covariance::of(&minimum, used, &shown)
         .map_err(|u| undetermined(&minimum, &names, u.parameter, why))?;
-    for (place, knob) in knobs.iter().enumerate() {
-        let (value, u) = (minimum.x[place], covariance[place][place].sqrt());
-        // An interval that holds zero, or no number, says nothing about a quantity that starts away
-        // from zero.
-        let is_determined = NORMAL_95 * u < value.abs();
-        if !is_determined {
-            let scaled = |x: f64| x * knob.value / knob.scale;
-            let (value, u) = (scaled(value), scaled(NORMAL_95 * u));
-            let u = if (0.01..1e4).contains(&u) { format!("{u:.2}") } else { format!("{u:.0e}") };
-            let with = format!(" ({value:.3} ± {u} {})", knob.unit);
-            return Err(FitError::Undetermined { parameter: knob.path.clone(), with, why });
-        }
-    }
+    check_intervals(knobs, &minimum, &covariance, why)?;
     // Inputs that the scene states are known: nothing is badly determined beside them.
     let found = &minimum.x[..minimum.x.len() - inputs.count()];
     let wanted = |place: usize| options.profile || profile::is_bad(found, &covariance, place);
@@ -182,6 +164,39 @@ fn with_inputs(
         }
         found => Ok(found?),
     }
+}
+
+/// The records with the 1/f noise that `minimum` leaves, if there is any.
+fn with_noise(model: &mut TraceModel<'_>, minimum: &Minimum) -> Result<Option<Records>, FitError> {
+    let records = model.records;
+    if !records.have_pink_noise() {
+        return Ok(None);
+    }
+    let shown = model.shown(&minimum.x).ok_or(LeastSquaresError::NoStart)?;
+    Ok(records.weighed_again(&shown))
+}
+
+/// Refuses a minimum at which the data do not determine one of the `knobs`.
+fn check_intervals(
+    knobs: &[AdjustableNumber],
+    minimum: &Minimum,
+    covariance: &[Vec<f64>],
+    why: &'static str,
+) -> Result<(), FitError> {
+    for (place, knob) in knobs.iter().enumerate() {
+        let (value, u) = (minimum.x[place], covariance[place][place].sqrt());
+        // An interval that holds zero, or no number, says nothing about a quantity that starts away
+        // from zero.
+        let is_determined = NORMAL_95 * u < value.abs();
+        if !is_determined {
+            let scaled = |x: f64| x * knob.value / knob.scale;
+            let (value, u) = (scaled(value), scaled(NORMAL_95 * u));
+            let u = if (0.01..1e4).contains(&u) { format!("{u:.2}") } else { format!("{u:.0e}") };
+            let with = format!(" ({value:.3} ± {u} {})", knob.unit);
+            return Err(FitError::Undetermined { parameter: knob.path.clone(), with, why });
+        }
+    }
+    Ok(())
 }
 
 fn check(knobs: &[AdjustableNumber]) -> Result<(), FitError> {
