@@ -57,8 +57,10 @@ pub const FOUND: f64 = 0.95;
 /// Places in a record at which the disturbance is predicted; straight lines in between.
 const KNOTS: usize = 33;
 /// Modes at most, and the share of the variance at a knot that they may leave (1).
-const MODES: usize = 24;
-const MODE_REST: f64 = 0.02;
+const FEW_MODES: (usize, f64) = (24, 0.02);
+/// The same where the amplitude of 1/f noise is known: beside a drift that the known parts leave
+/// open, a fiftieth of the variance is more than all of the 1/f noise.
+const ALL_MODES: (usize, f64) = (KNOTS, 1e-5);
 /// Amplitudes of 1/f noise over white noise that a likelihood is looked for in, and to which share
 /// (1).
 const PINK_OVER_WHITE: [f64; 2] = [0.01, 10.0];
@@ -448,6 +450,7 @@ impl Disturbance {
         if freedom < 4.0 || records.iter().any(too_short) {
             return None;
         }
+        let kept_modes = if pink.is_some() { ALL_MODES } else { FEW_MODES };
         let grid = Grid::of(records, pink);
         let whitened: Vec<Vec<Option<Whitened>>> = records
             .iter()
@@ -498,7 +501,7 @@ impl Disturbance {
         let white = weighed_mean(&|_, variance| variance).sqrt();
         let one = |(record, whitened): (&KnownParts, &Vec<Option<Whitened>>)| {
             let (mean, covariance) = prediction(record, whitened, &grid.pink, &weighed);
-            let modes = modes(covariance);
+            let modes = modes(covariance, kept_modes);
             let noise = weighed_mean(&|c, variance| variance * factor(record, c)).sqrt();
             let (found, known) = (found.clone(), record.clone());
             Self { known, noise, white, found, pink, pink_evidence, constant: 0.0, mean, modes }
@@ -538,7 +541,12 @@ impl Disturbance {
 
     /// Standard deviation of a sample about what is predicted (unit).
     pub fn sample_noise(&self) -> f64 {
-        self.white.hypot(self.pink * Innovations::variance(self.longest()).sqrt())
+        self.white * self.pink_share().hypot(1.0)
+    }
+
+    /// What 1/f noise is of it, over the white noise (1).
+    pub fn pink_share(&self) -> f64 {
+        self.pink / self.white * Innovations::variance(self.longest()).sqrt()
     }
 
     /// This disturbance with white and 1/f noise as samples show it that have nothing `left` of the
@@ -854,14 +862,14 @@ fn at_knots(
 /// Modes of a `covariance`: vectors whose products sum up to it, by Cholesky's factorisation with
 /// the pivot first of which most is left, until little is left of any (N. J. Higham, "Accuracy and
 /// Stability of Numerical Algorithms", 2nd ed. (2002), section 10.3).
-fn modes(mut covariance: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+fn modes(mut covariance: Vec<Vec<f64>>, (most, rest): (usize, f64)) -> Vec<Vec<f64>> {
     let size = covariance.len();
     let whole: Vec<f64> = (0..size).map(|i| covariance[i][i].max(f64::MIN_POSITIVE)).collect();
     let mut modes = Vec::new();
-    while modes.len() < MODES {
+    while modes.len() < most {
         let left = |i: usize| covariance[i][i] / whole[i];
         let Some(pivot) = (0..size).max_by(|a, b| left(*a).total_cmp(&left(*b))) else { break };
-        if left(pivot) < MODE_REST {
+        if left(pivot) < rest {
             break;
         }
         let root = covariance[pivot][pivot].sqrt();

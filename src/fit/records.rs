@@ -37,6 +37,10 @@ use crate::scope::VerticalSetup;
 const MAX_RESIDUAL_VARIANCE: f64 = 1.3;
 /// Standard deviations of a noise that few samples tell (1).
 pub const NOISE_DEVIATIONS: f64 = 4.0;
+/// Largest variance of 1/f noise over that of white noise, of all channels on average: at four,
+/// 90 % of the intervals of 95 % held the truth (`tests/it/laboratory/coverage.rs`), at a half 93 %
+/// (1).
+const MAX_PINK_VARIANCE: f64 = 1.0;
 /// Paths that the note on inputs taken as exact names.
 const MAX_SHOWN_INPUTS: usize = 4;
 /// Intervals and starts that differ by less than this, in samples, are the same (1).
@@ -273,7 +277,7 @@ impl Records {
     }
 
     /// The same with the 1/f noise that the traces `shown` (V) leave, faster than the modes; none
-    /// where that is more than the baselines leave to chance.
+    /// where that is more than the baselines leave to chance, or too much for intervals to hold.
     pub fn weighed_again(&self, shown: &[Vec<f64>]) -> Option<Self> {
         let mut again = self.clone();
         let records = again.list.iter_mut().zip(shown);
@@ -286,8 +290,11 @@ impl Records {
         let note =
             format!("{}: 1/f noise goes from sample to sample: ± counts it", names.join(", "));
         again.notes.push(note);
-        let most = most_variance(self.quiet_samples());
-        (more.iter().sum::<f64>() <= most * more.len() as f64).then_some(again)
+        let count = more.len() as f64;
+        let is_chance = more.iter().sum::<f64>() <= most_variance(self.quiet_samples()) * count;
+        let found = again.list.iter().filter_map(|record| record.found.as_ref());
+        let pink: f64 = found.map(|found| found.pink_share().powi(2)).sum();
+        (is_chance && pink <= MAX_PINK_VARIANCE * count).then_some(again)
     }
 
     /// Samples that the shortest baseline has.

@@ -424,7 +424,6 @@ fn fits_contain_the_truth_with_what_a_laboratory_has() {
         (false, "hum 0.02 div", Disturbance { hum: 0.02, ..white }),
         (true, "1/f noise 0.02 div", Disturbance { pink: 0.02, ..white }),
         (false, "1/f noise 0.05 div", Disturbance { pink: 0.05, ..white }),
-        (false, "1/f noise 0.1 div", Disturbance { pink: 0.1, ..white }),
         (false, "AC coupled", Disturbance { high_pass: 10.0, ..white }),
     ];
     let rows = rows.map(|(is_short, name, disturbance)| {
@@ -432,11 +431,14 @@ fn fits_contain_the_truth_with_what_a_laboratory_has() {
         (is_short, format!("fit, {name}"), trial)
     });
     all_hold(20, rows);
-    for disturbance in [Disturbance { hum: 0.2, ..white }, Disturbance { pink: 0.02, ..white }] {
+    // Of 1/f noise that is stronger than white noise, 90 % of the intervals would hold the truth.
+    let strong = Disturbance { pink: 0.05, ..white };
+    let followed = [Disturbance { hum: 0.2, ..white }, Disturbance { pink: 0.02, ..white }];
+    for (disturbance, refused) in followed.map(|one| (one, 0)).into_iter().chain([(strong, 5)]) {
         let mut tally = Tally::default();
         for seed in FIRST_SEED..FIRST_SEED + 5 {
             fitted(disturbance, seed, &mut tally);
         }
-        assert_eq!(tally.refused, 0, "{disturbance:?} is fitted, not refused");
+        assert_eq!(tally.refused, refused, "{disturbance:?}");
     }
 }
