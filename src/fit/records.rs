@@ -38,7 +38,7 @@ const MAX_RESIDUAL_VARIANCE: f64 = 1.3;
 /// Standard deviations of a noise that few samples tell (1).
 pub const NOISE_DEVIATIONS: f64 = 4.0;
 /// Largest variance of 1/f noise over that of white noise, of all channels on average: at four,
-/// 90 % of the intervals of 95 % held the truth (`tests/it/laboratory/coverage.rs`), at a half 93 %
+/// 90 % of the intervals of 95 % held the truth (`tests/it/laboratory/coverage.rs`), at a half 94 %
 /// (1).
 const MAX_PINK_VARIANCE: f64 = 1.0;
 /// Paths that the note on inputs taken as exact names.
