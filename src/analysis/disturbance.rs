@@ -58,11 +58,11 @@ pub const FOUND: f64 = 0.95;
 const KNOTS: usize = 33;
 /// Modes at most, and the share of the variance at a knot that they may leave (1).
 const FEW_MODES: (usize, f64) = (24, 0.02);
-/// The same where the amplitude of 1/f noise is known: beside a drift that the known parts leave
-/// open, a fiftieth of the variance is more than all of the 1/f noise.
+/// The same for 1/f noise of known amplitude: if a drift is possible, a fiftieth of the variance
+/// may be more than all of the 1/f noise.
 const ALL_MODES: (usize, f64) = (KNOTS, 1e-5);
-/// Amplitudes of 1/f noise over white noise that a likelihood is looked for in, and to which share
-/// (1).
+/// Range in which the amplitude of 1/f noise over the white noise is searched, and the search's
+/// step in its logarithm (1).
 const PINK_OVER_WHITE: [f64; 2] = [0.01, 10.0];
 const PINK_STEP: f64 = 0.05;
 /// An amplitude that leaves a shape free (unit).
@@ -438,8 +438,7 @@ impl Disturbance {
         Self::with_pink(records, None)
     }
 
-    /// The same, where something else tells the amplitude of the 1/f noise over the white noise's
-    /// (1).
+    /// The same for a given amplitude `pink` of 1/f noise over the white noise (1).
     fn with_pink(records: &[KnownParts], pink: Option<f64>) -> Option<Vec<Self>> {
         let unknowns = records.first()?.unknowns;
         let freedom: f64 = records
@@ -532,25 +531,25 @@ impl Disturbance {
         (self.known.length.max(2) - 1) as f64 / (KNOTS - 1) as f64
     }
 
-    /// Samples of 1/f noise that go together beside what is predicted: twice those between two
-    /// knots. Midway between two, straight lines have `3/4 a^2` less variance than at them, which
-    /// this makes up by `a^2 ln 2` (1).
+    /// Number of samples over which 1/f noise is correlated that the knots do not describe: twice
+    /// their distance. Straight lines between knots lack up to `3/4 a^2` of the variance; twice the
+    /// distance adds `a^2 ln 2` (1).
     fn longest(&self) -> f64 {
         2.0 * self.step()
     }
 
-    /// Standard deviation of a sample about what is predicted (unit).
+    /// Standard deviation of a sample about the prediction (unit).
     pub fn sample_noise(&self) -> f64 {
         self.white * self.pink_share().hypot(1.0)
     }
 
-    /// What 1/f noise is of it, over the white noise (1).
+    /// Standard deviation of 1/f noise about the prediction, over that of white noise (1).
     pub fn pink_share(&self) -> f64 {
         self.pink / self.white * Innovations::variance(self.longest()).sqrt()
     }
 
-    /// This disturbance with white and 1/f noise as samples show it that have nothing `left` of the
-    /// signal (unit), by the largest likelihood; `counts` says which samples are known.
+    /// This disturbance with the amplitudes of white and 1/f noise for which the residuals `left`
+    /// of a fit (unit) are most likely; `counts` says which samples are known.
     pub fn with_noise_of(&self, left: &[f64], counts: &[bool]) -> Option<Self> {
         let of =
             |log: f64| Innovations::of((1.0, log.exp()), self.longest(), counts).likelihood(left);
@@ -564,8 +563,7 @@ impl Disturbance {
         Some(again.with_constant(self.constant))
     }
 
-    /// The filter that makes noise about what is predicted white, at the samples that count, with
-    /// values in so many standard deviations `sigma` (unit).
+    /// The filter that makes residuals white which are divided by `sigma` (unit).
     pub fn innovations(&self, sigma: f64, counts: &[bool]) -> Innovations {
         Innovations::of((self.white / sigma, self.pink / sigma), self.longest(), counts)
     }
@@ -660,7 +658,7 @@ struct Grid {
 }
 
 impl Grid {
-    /// Probability of 1/f noise over that of none, before the data are seen (1).
+    /// Prior probability of 1/f noise over that of none (1).
     fn pink_odds(&self) -> f64 {
         let count = self.pink.iter().filter(|pink| **pink > 0.0).count();
         count as f64 * AMPLITUDE_PROBABILITY / NO_DISTURBANCE

@@ -1,19 +1,19 @@
-//! Samples of white and 1/f noise made white.
+//! A filter that turns white and 1/f noise into white noise.
 //!
 //! 1/f noise with the covariance `a^2 ln(L/d)` at distances `d` up to `L` is a sum of first-order
 //! processes, `a^2 ln(q) exp(-d/tau)` each, whose time constants `tau` are apart by the factor `q`
 //! (A. van der Ziel, Physica 16, 359, 1950): over all `tau` between two limits the sum is
 //! `a^2 (E1(d/longest) - E1(d/shortest))`, which is `a^2 ln(L/d)` in between for
-//! `longest = e^0.5772 L`. What a sample adds to those before it, its innovation, is what Kalman's
-//! filter with these processes as states leaves of it; over its standard deviation it is white
-//! with variance one (R. E. Kalman, J. Basic Eng. 82, 35, 1960). Valid for noise that is normal;
-//! the covariance between the limits is right to 1 % of `a^2` at `q = 2`.
+//! `longest = e^0.5772 L`; here `q` is about 2. Kalman's filter predicts each sample from those
+//! before it, with these processes as its states (R. E. Kalman, J. Basic Eng. 82, 35, 1960). The
+//! error of the prediction is the sample's innovation; innovations over their standard deviations
+//! are white noise of variance one. Valid for normal noise.
 
 use std::f64::consts::LN_2;
 
 /// Exponential of Euler's constant (1).
 const EXP_EULER: f64 = 1.781_072_417_990_198;
-/// Variance of a sample beyond `a^2 ln(L)`: 1/f noise is a mean over a sample's length (1).
+/// Variance of a sample beyond `a^2 ln(L)`, over `a^2`: a sample is a mean over its interval (1).
 const WITHIN_A_SAMPLE: f64 = 1.5;
 
 /// A filter for one record, fixed by its noise and by which samples count.
@@ -28,8 +28,8 @@ pub struct Innovations {
 }
 
 impl Innovations {
-    /// The filter for `white` noise and `pink` noise (unit) of which no more than `longest` samples
-    /// go together; `counts` says which samples are known.
+    /// The filter for noise of standard deviation `white` and 1/f noise of amplitude `pink` (unit),
+    /// which is correlated over up to `longest` samples; `counts` says which samples are known.
     pub fn of((white, pink): (f64, f64), longest: f64, counts: &[bool]) -> Self {
         let (most, least) = (EXP_EULER * longest, EXP_EULER * (-WITHIN_A_SAMPLE).exp());
         let span = (most / least).ln().max(LN_2);
@@ -59,13 +59,15 @@ impl Innovations {
         Self { decays, gains, deviations }
     }
 
-    /// Variance of a sample of 1/f noise of amplitude one of which so many samples go together (1).
+    /// Variance of a sample of 1/f noise of amplitude 1 that is correlated over up to `longest`
+    /// samples (1).
     pub fn variance(longest: f64) -> f64 {
         longest.ln() + WITHIN_A_SAMPLE
     }
 
-    /// Log-likelihood of `values`, zeros where samples do not count, but for a constant, and the
-    /// factor that noise has then in place of one (1), by which it is largest (unit).
+    /// The factor on the filter's noise for which `values` are most likely, and before it the
+    /// logarithm of that likelihood without its constant (1). Values are zero where samples do not
+    /// count.
     pub fn likelihood(&self, values: &[f64]) -> (f64, f64) {
         let mut white = values.to_vec();
         self.whiten(&mut white);
@@ -76,7 +78,8 @@ impl Innovations {
         (-count * factor.ln() - logs, factor)
     }
 
-    /// Makes `values` white: zeros where samples do not count.
+    /// Replaces `values`, zero where samples do not count, by their innovations over their standard
+    /// deviations.
     pub fn whiten(&self, values: &mut [f64]) {
         let mut expected = vec![0.0; self.decays.len()];
         let gains = self.gains.chunks_exact(self.decays.len().max(1));

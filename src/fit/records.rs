@@ -11,11 +11,11 @@
 //! `W r` for the residuals `r`, with `W^T W = C^-1` (generalised least squares): mode by mode,
 //! `W r -> W r - (1 - 1/sqrt(1 + |p|^2)) p (p^T W r)/|p|^2` with `p = W f` for mode `f`.
 //!
-//! 1/f noise that is faster than the modes goes from sample to sample: a filter makes it white
-//! before ([`crate::analysis::innovations`]). The samples before the pulse tell that it is there,
-//! of all channels together, but hardly its amplitude; the residuals of a first fit do, by their
-//! likelihood. If they have more variance than the baseline leaves to chance, that is no noise, but
-//! something that the scene leaves out.
+//! 1/f noise that is too fast for the modes makes neighbouring residuals alike; a filter makes them
+//! white first ([`crate::analysis::innovations`]). The baselines of all channels together decide
+//! whether there is 1/f noise. They are too short for its amplitude, which is the most likely one
+//! for the residuals of a first fit. If the residuals' variance exceeds the baselines' by more than
+//! chance, they hold more than noise: the scene leaves something out.
 
 use std::ops::Range;
 
@@ -33,13 +33,13 @@ use crate::recording::Capture;
 use crate::scene::{Scene, gain_u};
 use crate::scope::VerticalSetup;
 
-/// A larger residual variance than this is no chance (1).
+/// Residual variance up to which a fit may leave nothing but noise (1).
 const MAX_RESIDUAL_VARIANCE: f64 = 1.3;
-/// Standard deviations of a noise that few samples tell (1).
+/// Standard deviations by which chance may change a variance or correlation at most (1).
 pub const NOISE_DEVIATIONS: f64 = 4.0;
-/// Largest variance of 1/f noise over that of white noise, of all channels on average: at four,
-/// 90 % of the intervals of 95 % held the truth (`tests/it/laboratory/coverage.rs`), at a half 94 %
-/// (1).
+/// Largest variance of 1/f noise over that of white noise, averaged over the channels. Of the
+/// intervals of 95 % for a speed, 94 % held the truth at a half, and 90 % at four
+/// (`tests/it/laboratory/coverage.rs`) (1).
 const MAX_PINK_VARIANCE: f64 = 1.0;
 /// Paths that the note on inputs taken as exact names.
 const MAX_SHOWN_INPUTS: usize = 4;
@@ -77,13 +77,13 @@ pub struct ChannelRecord {
     pub rounding: Rounding,
     /// Samples that they were found from.
     pub quiet_samples: usize,
-    /// What the baseline says of a disturbance, if it tells of any.
+    /// The disturbance as found in the baseline; none on quiet scopes and in short baselines.
     pub found: Option<Disturbance>,
     /// What disturbs the samples, as the baseline predicts it, less its mean there (V).
     pub disturbance: Vec<f64>,
     /// Modes of its error (V).
     pub modes: Vec<Vec<f64>>,
-    /// What makes noise that goes from sample to sample white, if there is any.
+    /// The filter that makes fast 1/f noise white, if there is any.
     pub innovations: Option<Innovations>,
     /// How residuals become white, for each mode: the share of a direction that is taken off, and
     /// the direction, a unit vector (1).
@@ -123,8 +123,7 @@ impl ChannelRecord {
         }
     }
 
-    /// Mode `mode` in the samples that have weight, over their standard deviation, with what makes
-    /// noise that goes from sample to sample white (1).
+    /// A mode as it is in the residuals: over `sigma`, zero without weight, filtered (1).
     fn direction(&self, mode: &[f64]) -> Vec<f64> {
         let over_sigma =
             |(index, v): (usize, &f64)| if self.weighs(index) { v / self.sigma } else { 0.0 };
@@ -146,8 +145,8 @@ impl ChannelRecord {
         all
     }
 
-    /// Weighs samples by the white and 1/f noise that the traces `shown` (V) leave; how much more
-    /// variance that is than the baseline tells, none where it tells nothing (1).
+    /// Weighs samples by the white and 1/f noise in the differences from the fitted traces `shown`
+    /// (V). The result is the noise's variance over that found in the baseline (1).
     fn weigh_again(&mut self, shown: &[f64]) -> Option<f64> {
         let counts = self.counted();
         let left = self.volts.iter().zip(shown).zip(&counts);
@@ -270,14 +269,15 @@ impl Records {
         Ok(Self { axis, list, time_base_u: options.time_base_u.unwrap_or(by_file), notes })
     }
 
-    /// Whether the baselines of all channels together say beyond doubt that there is 1/f noise.
+    /// Whether the baselines of all channels together show 1/f noise beyond doubt.
     pub fn have_pink_noise(&self) -> bool {
         let found = self.list.iter().filter_map(|record| record.found.as_ref());
         found.map(|found| found.pink_evidence).sum::<f64>() > (FOUND / (1.0 - FOUND)).ln()
     }
 
-    /// The same with the 1/f noise that the traces `shown` (V) leave, faster than the modes; none
-    /// where that is more than the baselines leave to chance, or too much for intervals to hold.
+    /// The records weighed by the white and 1/f noise in their differences from the fitted traces
+    /// `shown` (V); none if there is more noise than in the baselines, by more than chance, or too
+    /// much 1/f noise for intervals to hold.
     pub fn weighed_again(&self, shown: &[Vec<f64>]) -> Option<Self> {
         let mut again = self.clone();
         let records = again.list.iter_mut().zip(shown);
@@ -288,7 +288,7 @@ impl Records {
             })
             .unzip();
         let note =
-            format!("{}: 1/f noise goes from sample to sample: ± counts it", names.join(", "));
+            format!("{}: 1/f noise correlates samples; ± takes it into account", names.join(", "));
         again.notes.push(note);
         let count = more.len() as f64;
         let is_chance = more.iter().sum::<f64>() <= most_variance(self.quiet_samples()) * count;
@@ -297,7 +297,7 @@ impl Records {
         (is_chance && pink <= MAX_PINK_VARIANCE * count).then_some(again)
     }
 
-    /// Samples that the shortest baseline has.
+    /// Number of samples of the shortest baseline.
     pub fn quiet_samples(&self) -> usize {
         self.list.iter().map(|record| record.quiet_samples).min().unwrap_or(0)
     }
@@ -316,7 +316,8 @@ impl Records {
     }
 }
 
-/// The largest residual variance that so many samples before the pulse leave to chance (1).
+/// Residual variance that chance may cause if the noise is known from a baseline of `quiet` samples
+/// (1).
 pub fn most_variance(quiet: usize) -> f64 {
     let by_chance = 1.0 + NOISE_DEVIATIONS * (2.0 / quiet.max(2) as f64).sqrt();
     MAX_RESIDUAL_VARIANCE.max(by_chance)

@@ -321,7 +321,7 @@ fn leftover(minimum: &Minimum, records: &Records, channels: &[ChannelResult]) ->
     let which =
         if following.is_empty() { String::new() } else { format!(" in {}", following.join(", ")) };
     let why = if is_pink {
-        "1/f noise goes from sample to sample, and uncertainties do not hold: earth the probe, or average"
+        "1/f noise correlates samples, and uncertainties do not hold: earth the probe, or average"
     } else {
         "the scene leaves something out, and uncertainties do not hold"
     };
